@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/imaging/label_image.hpp"
+
+namespace palpate {
+
+/// Reads a 3D label volume (NIfTI .nii/.nii.gz, NRRD .nrrd/.nhdr, MetaImage .mha/.mhd). The file is
+/// checked first (whole gzip stream with CRC and size, header fields finite, units, enough bytes,
+/// detached data inside the header's folder), then decoded by ITK in a child process with memory
+/// and time limits. Left-handed grids keep their direction (det = -1). Values must be whole
+/// numbers in 0..65535.
+/// Throws Error(input_unreadable) naming the file and what is wrong, Error(input_unusable) for a
+/// readable file that is not a 3D label volume.
+LabelImage read_label_image(const std::filesystem::path& path);
+
+void write_label_image(const std::filesystem::path& path, const LabelImage& image);
+
+/// Writes a displacement field as a 5-D NIfTI with intent 1007 (vector). Components are LPS mm in
+/// memory and in ITK's convention on disk, [num_voxels].
+void write_vector_image(const std::filesystem::path& path, const Image<Vec3>& image);
+
+/// Reads a rigid ITK transform (.tfm, .txt, .h5): a translation, Euler3D, VersorRigid3D, or affine
+/// whose matrix is a rotation. Sense: it takes points of the reference to points of the target
+/// (the resampling sense with the reference as fixed image), LPS mm.
+/// Throws Error(input_unreadable) or Error(input_unusable) if it is not rigid.
+RigidTransform read_rigid_transform(const std::filesystem::path& path);
+void write_rigid_transform(const std::filesystem::path& path, const RigidTransform& transform);
+
+}  // namespace palpate

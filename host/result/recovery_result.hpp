@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/imaging/label_image.hpp"
+#include "host/meshing/mesher.hpp"
+#include "host/modelling/settings.hpp"
+#include "host/surfaces/surface.hpp"
+#include "solver/backend/backend.hpp"
+
+namespace palpate {
+
+/// What is known about one region after a recovery.
+struct RegionResult {
+    Index region = 0;
+    std::string name;
+    Index label = 0;
+    std::string role;                     ///< "background", "tissue", "driven", "fixed"
+    bool hollow = false;
+    bool unknown = false;                 ///< its modulus was estimated
+    double poisson_ratio = 0;
+    double stiffness_kpa = 0;             ///< estimated or given; 0 for hollow regions
+    std::array<double, 2> interval_kpa{0, 0};  ///< 95 % interval; equal ends for a given modulus
+    double sd_ln = 0;                     ///< posterior sd of ln E
+    std::string verdict;                  ///< "recovered", "weak", "not identifiable", "given", "hollow"
+    std::string reason;                   ///< one sentence in words
+};
+
+/// Agreement of one organ's surface with its target, before (aligned) and after.
+struct SurfaceResult {
+    Index region = 0;
+    std::string name;
+    std::string role;
+    double dice_before = 0, dice_after = 0;
+    double mean_distance_mm_before = 0, mean_distance_mm_after = 0;
+    double max_distance_mm_before = 0, max_distance_mm_after = 0;
+    bool cut_by_image = false;
+    Vec3 resultant_force_mn = Vec3::Zero();  ///< sum of the reactions on a driven organ, mN, LPS
+    // For pictures. `reference` has the vertex numbers of the mesh in `node_of`; without caps.
+    Surface reference;
+    std::vector<Index> node_of;
+    std::vector<double> distance_before_mm;  ///< signed, per vertex of `reference`, before
+    std::vector<double> distance_after_mm;
+    Surface target;                          ///< target surface, aligned, without caps
+};
+
+/// The objective along ln E of one unknown modulus, other unknowns re-estimated.
+struct ProfileResult {
+    Index region = 0;
+    std::vector<double> stiffness_kpa;
+    std::vector<double> objective;           ///< minus its minimum: 1.92 is the 95 % line
+};
+
+struct IterationRecord {
+    int iteration = 0;
+    double objective = 0;
+    double gradient_norm = 0;                ///< scaled by the posterior sd
+    double step = 0;
+    std::vector<double> stiffness_kpa;       ///< unknown moduli, in region order
+};
+
+struct AlignmentResult {
+    std::string method;                      ///< "fixed", "centroid", "none", "transform"
+    RigidTransform reference_to_target;
+    double mean_distance_mm = 0;             ///< of the fixed surfaces after it, if any
+};
+
+struct Termination {
+    bool converged = false;
+    std::string reason;
+    int iterations = 0;
+};
+
+struct RecoveryResult {
+    Settings settings;
+    std::string settings_toml;
+    std::string reference_name, target_name; ///< file names only, no folders
+    std::string version;
+    std::string seed_note;
+    RegionMesh mesh;                         ///< LPS mm
+    std::vector<Vec3> displacement;          ///< [num_nodes] mm, reference to aligned target
+    std::vector<Vec3> force;                 ///< [num_nodes] mN, reactions at driven and fixed nodes
+    std::vector<double> tet_stiffness_kpa;   ///< [num_tets]
+    std::vector<RegionResult> regions;
+    std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order
+    std::vector<SurfaceResult> surfaces;
+    std::vector<ProfileResult> profiles;
+    std::vector<IterationRecord> convergence;
+    AlignmentResult alignment;
+    Termination termination;
+    MesherSummary mesher;
+    BackendInfo device;
+    double full_model_residual = 0;          ///< relative residual of the final solve, fp64 on host
+    std::vector<std::pair<std::string, double>> timings_s;  ///< stages in order; total is added
+    std::vector<std::string> warnings;
+
+    // Volumes on the reference grid.
+    LabelImage reference_labels;
+    LabelImage target_labels_aligned;        ///< resampled to the reference grid, nearest neighbour
+    LabelImage warped_labels;                ///< reference labels carried by the displacement
+    Image<Vec3> displacement_field;          ///< mm, LPS, reference to target (alignment included)
+};
+
+}  // namespace palpate

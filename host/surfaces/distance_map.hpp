@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "host/imaging/label_field.hpp"
+#include "host/surfaces/surface.hpp"
+
+namespace palpate {
+
+/// Signed distance (mm, negative inside) to the interface of one region, twice differentiable:
+/// exact distances to the zero level of a `LabelField`, sampled on a regular grid and interpolated by
+/// cubic B-splines. This is the smooth closest point of the inverse problem: the closest point of
+/// y is y - d(y) grad d(y), without the kinks of a faceted surface.
+class DistanceMap {
+public:
+    /// The map reaches `margin_mm` beyond the region's voxels; further out it continues linearly.
+    /// If the region is cut by the image box, its surface is continued beyond the box (LabelField).
+    DistanceMap(const LabelField& field, Index region, double margin_mm = 20.0);
+
+    double value(const Vec3& point) const;
+    double value(const Vec3& point, Vec3& gradient) const;
+
+    /// The same surface moved rigidly: map.moved(T).value(T(y)) == map.value(y).
+    DistanceMap moved(const RigidTransform& transform) const;
+
+private:
+    ImageGrid grid_;
+    std::vector<float> coefficients_;
+};
+
+}  // namespace palpate

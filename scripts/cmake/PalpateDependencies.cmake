@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+# Everything palpate builds on, looked up in one place.
+
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(ZLIB REQUIRED)
+find_package(BLAS REQUIRED)    # OpenBLAS picks its kernels for the processor at run time
+find_package(LAPACK REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(tomlplusplus REQUIRED)
+
+find_package(ITK REQUIRED COMPONENTS
+  ITKCommon ITKDistanceMap ITKSmoothing ITKImageFunction ITKImageGrid ITKTransform
+  ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase ITKIOTransformHDF5
+  ITKIOTransformInsightLegacy)
+find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel IOXML IOLegacy FiltersCore)
+
+if(PALPATE_WITH_OPENCL)
+  find_package(OpenCL REQUIRED)
+endif()
+if(PALPATE_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+if(PALPATE_BUILD_BENCH)
+  find_package(benchmark REQUIRED)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+  set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()

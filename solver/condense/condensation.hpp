@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "solver/linear/linear_solver.hpp"
+
+namespace palpate {
+
+/// Exact condensation of one region onto the nodes it shares with the observed and the driven sets,
+/// at unit modulus: S = K_bb - K_bi K_ii^-1 K_ib (method of static condensation, Guyan 1965, exact
+/// here because no inertia is involved). Because K = sum_r E_r K_r, S(E) = sum_r E_r S_r holds for
+/// every E. Only the columns of the observed nodes are formed.
+struct CondensedRegion {
+    Index region = 0;
+    std::vector<Index> observed;  ///< positions in the observed node list, ascending
+    std::vector<Index> driven;    ///< positions in the driven node list, ascending
+    Eigen::MatrixXd observed_observed;  ///< [3 |observed|, 3 |observed|], mN/mm per kPa, symmetric
+    Eigen::MatrixXd observed_driven;    ///< [3 |observed|, 3 |driven|]
+};
+
+struct CondensationSummary {
+    LinearSolverSummary linear;   ///< summed over the regions
+    Index columns = 0;            ///< right-hand sides solved
+    double seconds = 0;
+};
+
+/// The condensed stiffness of every region of a model that touches an observed node.
+///   observed, driven   node numbers, disjoint. Nodes in neither list whose dofs are not prescribed
+///   in `model` are interior. Prescribed dofs have zero displacement.
+/// Each region's interior problem K_ii x = -K_ib is solved on the region's own sub-mesh with the
+/// given linear solver, all columns in batches: the adjoint sensitivity columns of the inverse
+/// problem. Throws Error(solve_failed) if a column misses the tolerance.
+std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
+                                      const std::vector<Index>& driven,
+                                      const LinearSolverOptions& options,
+                                      CondensationSummary* summary = nullptr,
+                                      const ProgressSink& progress = {});
+
+}  // namespace palpate
