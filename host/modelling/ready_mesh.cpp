@@ -1,10 +1,14 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "host/modelling/build_model.hpp"
 #include "host/modelling/regions.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -45,7 +49,53 @@ Index region_beyond(const LabelField& field, const std::vector<Index>& hollow, c
     return outside_region;
 }
 
+/// `mesh` restricted to the tets with a positive region, unused nodes dropped.
+Mesh without_outside(const Mesh& mesh) {
+    Mesh kept;
+    std::vector<Index> number(mesh.nodes.size(), -1);
+    for (Index t = 0; t < mesh.num_tets(); ++t) {
+        if (mesh.region[t] == outside_region) continue;
+        Tet tet = mesh.tets[t];
+        for (Index& node : tet) {
+            if (number[node] < 0) {
+                number[node] = kept.num_nodes();
+                kept.nodes.push_back(mesh.nodes[node]);
+            }
+            node = number[node];
+        }
+        kept.tets.push_back(tet);
+        kept.region.push_back(mesh.region[t]);
+    }
+    return kept;
+}
+
 }  // namespace
+
+Mesh with_region_numbers(const Mesh& labelled, const Settings& settings,
+                         const std::string& mesh_name) {
+    Mesh mesh = labelled;
+    std::vector<Index> tets(settings.num_regions(), 0);
+    const bool rest_is_background = settings.background && !settings.background->label;
+    for (Index& region : mesh.region) {
+        const Index label = region;
+        region = rest_is_background ? background_region : outside_region;
+        if (settings.background && settings.background->label == label) region = background_region;
+        for (std::size_t k = 0; k < settings.organs.size(); ++k) {
+            if (settings.organs[k].label != label) continue;
+            region = settings.organs[k].hollow ? outside_region
+                                               : first_organ_region + static_cast<Index>(k);
+        }
+        ++tets[region];
+    }
+    for (std::size_t k = 0; k < settings.organs.size(); ++k) {
+        if (settings.organs[k].hollow || tets[first_organ_region + k] > 0) continue;
+        throw Error(ErrorCode::input_unusable,
+                    fmt::format("{}: no element has the label {} of organ '{}'; the cell array "
+                                "'region' must hold the labels of the settings",
+                                mesh_name, settings.organs[k].label, settings.organs[k].name));
+    }
+    return without_outside(mesh);
+}
 
 RegionMesh region_mesh_from_tets(const Mesh& mesh, const LabelField& field,
                                  const Settings& settings) {

@@ -6,6 +6,7 @@
 
 #include "host/imaging/label_image.hpp"
 #include "host/modelling/settings.hpp"
+#include "solver/mesh/mesh.hpp"
 
 namespace palpate {
 
@@ -20,6 +21,12 @@ RegionImage to_regions(const LabelImage& image, const Settings& settings,
 /// The file label of a region: the organ's, the background's (0 if it has none), 0 for outside.
 Index label_of_region(const Settings& settings, Index region);
 std::string name_of_region(const Settings& settings, Index region);
+
+/// A ready mesh whose `region` holds file labels, with region numbers instead; tets of hollow organs
+/// and of unknown labels outside a background without label are left out with their nodes.
+/// Throws Error(input_unusable) naming `mesh_name` if no tet of a needed organ is left.
+Mesh with_region_numbers(const Mesh& labelled, const Settings& settings,
+                         const std::string& mesh_name);
 
 /// Regions without tetrahedra: hollow organs.
 std::vector<Index> hollow_regions(const Settings& settings);
