@@ -80,8 +80,13 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
 }
 
 LinearisedProblem Search::linearise(const State& state) const {
-    return LinearisedProblem(model_, observations_, state.seen, state.driven, state.observed,
-                             precision_, priors_, noise_scale_);
+    std::vector<LinearRow> rows(observations_.num_rows());
+    for (Index k = 0; k < observations_.num_rows(); ++k) {
+        const auto& row = observations_.rows()[k];
+        rows[k] = {row.on_driven, row.position, state.seen.normal.row(k),
+                   state.seen.residual_mm[k], noise_scale_ * row.sigma_mm};
+    }
+    return LinearisedProblem(model_, rows, state.driven, state.observed, precision_, priors_);
 }
 
 /// Brings the driven walls near their targets with the moduli held, before anything is concluded

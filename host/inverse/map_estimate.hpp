@@ -8,6 +8,7 @@
 
 #include "host/inverse/marginal.hpp"
 #include "host/inverse/records.hpp"
+#include "host/objectives/surface_observations.hpp"
 #include "solver/base/log.hpp"
 
 namespace palpate {

@@ -3,6 +3,7 @@
 #include "host/inverse/marginal.hpp"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "solver/base/error.hpp"
@@ -18,32 +19,27 @@ struct DrivenNormalEquations {
     Eigen::VectorXd right_hand_side;
 };
 
-DrivenNormalEquations driven_equations(const SurfaceObservations& observations,
-                                       const ObservedState& state, const Eigen::VectorXd& driven,
-                                       const Sparse& precision, double noise_scale) {
+DrivenNormalEquations driven_equations(const std::vector<LinearRow>& rows,
+                                       const Eigen::VectorXd& driven, const Sparse& precision) {
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(driven.size());
-    for (Index k = 0; k < observations.num_rows(); ++k) {
-        const auto& row = observations.rows()[k];
+    for (const auto& row : rows) {
         if (!row.on_driven) continue;
-        const Vec3 g = state.normal.row(k);
-        const double sigma = noise_scale * row.sigma_mm;
-        const double weight = 1.0 / (sigma * sigma);
+        const Vec3& g = row.normal;
+        const double weight = 1.0 / (row.sigma_mm * row.sigma_mm);
         const Index first = 3 * row.position;
         for (int a = 0; a < 3; ++a) {
             for (int b = 0; b < 3; ++b) {
                 entries.emplace_back(first + a, first + b, weight * g[a] * g[b]);
             }
         }
-        const double aim = g.dot(driven.segment<3>(first)) - state.residual_mm[k];
-        right.segment<3>(first) += weight * aim * g;
+        right.segment<3>(first) +=
+            weight * (g.dot(driven.segment<3>(first)) - row.residual_mm) * g;
     }
     Sparse data(driven.size(), driven.size());
     data.setFromTriplets(entries.begin(), entries.end());
     return {precision + data, right};
 }
-
-double squared(double x) { return x * x; }
 
 }  // namespace
 
@@ -55,35 +51,31 @@ struct LinearisedProblem::Response {
     Eigen::VectorXd mean_coupling;           // S_od m
 };
 
-LinearisedProblem::LinearisedProblem(const ReducedModel& model,
-                                     const SurfaceObservations& observations,
-                                     const ObservedState& state, const Eigen::VectorXd& driven,
+LinearisedProblem::LinearisedProblem(const ReducedModel& model, const std::vector<LinearRow>& rows,
+                                     const Eigen::VectorXd& driven,
                                      const Eigen::VectorXd& observed, const Sparse& precision,
-                                     std::vector<ModulusPrior> priors, double noise_scale)
+                                     std::vector<ModulusPrior> priors)
     : model_(model), priors_(std::move(priors)) {
-    std::vector<Index> observed_rows;
-    for (Index k = 0; k < observations.num_rows(); ++k) {
-        if (!observations.rows()[k].on_driven) observed_rows.push_back(k);
+    const Index count = static_cast<Index>(
+        std::count_if(rows.begin(), rows.end(), [](const auto& row) { return !row.on_driven; }));
+    normals_ = Eigen::MatrixXd::Zero(model_.observed_dofs(), count);
+    target_.resize(count);
+    variance_.resize(count);
+    Index j = 0;
+    for (const auto& row : rows) {
+        if (row.on_driven) continue;
+        normals_.block<3, 1>(3 * row.position, j) = row.normal;
+        target_[j] = row.normal.dot(observed.segment<3>(3 * row.position)) - row.residual_mm;
+        variance_[j] = row.sigma_mm * row.sigma_mm;
+        ++j;
     }
-    const Index rows = static_cast<Index>(observed_rows.size());
-    normals_ = Eigen::MatrixXd::Zero(model_.observed_dofs(), rows);
-    target_.resize(rows);
-    variance_.resize(rows);
-    for (Index j = 0; j < rows; ++j) {
-        const auto& row = observations.rows()[observed_rows[j]];
-        const Vec3 g = state.normal.row(observed_rows[j]);
-        normals_.block<3, 1>(3 * row.position, j) = g;
-        target_[j] = g.dot(observed.segment<3>(3 * row.position)) -
-                     state.residual_mm[observed_rows[j]];
-        variance_[j] = squared(noise_scale * row.sigma_mm);
-    }
-    const auto equations = driven_equations(observations, state, driven, precision, noise_scale);
+    const auto equations = driven_equations(rows, driven, precision);
     Eigen::SimplicialLDLT<Sparse> solver(equations.hessian);
     if (solver.info() != Eigen::Success) {
         throw Error(ErrorCode::internal, "the prior of the driven displacement is not definite");
     }
     mean_ = solver.solve(equations.right_hand_side);
-    if (rows > 0) precompute_covariance(equations.hessian);
+    if (count > 0) precompute_covariance(equations.hessian);
 }
 
 void LinearisedProblem::precompute_covariance(const Eigen::MatrixXd& driven_hessian) {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "host/inverse/reduced_model.hpp"
-#include "host/objectives/surface_observations.hpp"
 
 namespace palpate {
 
@@ -16,6 +15,15 @@ struct ModulusPrior {
     Index region = 0;
     double mean_ln = 0;
     double sd_ln = 1;
+};
+
+/// One surface distance, linearised: residual + normal . (u - u_linearised), with noise sigma.
+struct LinearRow {
+    bool on_driven = false;
+    Index position = 0;  ///< of its node among the driven or the observed nodes
+    Vec3 normal = Vec3::Zero();
+    double residual_mm = 0;
+    double sigma_mm = 1;
 };
 
 /// The inverse problem with the surface distances linearised at one driven displacement, and the
@@ -30,14 +38,12 @@ struct ModulusPrior {
 /// always preferred and the modulus comes out too low.
 class LinearisedProblem {
 public:
-    /// `driven`: the displacement that `state` was evaluated at [driven_dofs]; `observed` likewise.
-    /// `precision`: prior precision of the driven displacement. `noise_scale` multiplies every
-    /// observation's sigma.
-    LinearisedProblem(const ReducedModel& model, const SurfaceObservations& observations,
-                      const ObservedState& state, const Eigen::VectorXd& driven,
-                      const Eigen::VectorXd& observed,
+    /// `driven` [driven_dofs] and `observed` [observed_dofs]: the displacement at which `rows` are
+    /// linearised. `precision`: prior precision of the driven displacement.
+    LinearisedProblem(const ReducedModel& model, const std::vector<LinearRow>& rows,
+                      const Eigen::VectorXd& driven, const Eigen::VectorXd& observed,
                       const Eigen::SparseMatrix<double>& precision,
-                      std::vector<ModulusPrior> priors, double noise_scale);
+                      std::vector<ModulusPrior> priors);
 
     struct Evaluation {
         double objective = 0;         ///< F
