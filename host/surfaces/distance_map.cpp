@@ -9,6 +9,7 @@
 #include "host/imaging/cubic_bspline.hpp"
 #include "host/imaging/parallel.hpp"
 #include "host/surfaces/closest_point.hpp"
+#include "host/surfaces/nearest_triangles.hpp"
 #include "host/surfaces/zero_level.hpp"
 #include "solver/base/error.hpp"
 
@@ -115,28 +116,40 @@ std::vector<float> sample_level(const LabelField& field, Index region, const Reg
     return samples;
 }
 
-/// Replaces each sample by the signed distance to the surface. Triangles cut the corners of a curved
-/// surface: what is left of the level at the closest point is added (a step of Newton's method).
-void replace_by_distance(const Surface& surface, const RegionLevel& level, const ImageGrid& grid,
-                         std::vector<float>& samples) {
-    const ClosestPointQuery query(surface);
+/// Triangles cut the corners of a curved surface: adds what is left of the level at the closest point
+/// (a step of Newton's method), near the surface, where it matters.
+void correct_for_facets(const Surface& surface, const RegionLevel& level, const ImageGrid& grid,
+                        const NearestTriangles& nearest, std::vector<float>& distances) {
+    constexpr double reach_mm = 8;
     const double most = 0.3 * grid.spacing[0];
     parallel_for(grid.size[2], [&](std::size_t begin, std::size_t end) {
-        ClosestPoint closest;
         for (Index k = Index(begin); k < Index(end); ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {
-                    closest = query.closest(grid.to_point(Vec3(i, j, k)), closest.triangle);
+                    const std::size_t n = grid.offset(i, j, k);
+                    if (nearest.distance[n] > reach_mm) continue;
+                    const Triangle& t = surface.triangles[nearest.triangle[n]];
+                    const Vec3 closest = closest_point_of_triangle(
+                        grid.to_point(Vec3(i, j, k)), surface.vertices[t[0]],
+                        surface.vertices[t[1]], surface.vertices[t[2]]);
                     Vec3 gradient;
-                    const double rest = level.value(closest.point, gradient);
+                    const double rest = level.value(closest, gradient);
                     const double slope = std::max(0.3, gradient.norm());
-                    float& sample = samples[grid.offset(i, j, k)];
-                    const double distance = std::copysign(closest.distance_mm, sample);
-                    sample = static_cast<float>(distance + std::clamp(rest / slope, -most, most));
+                    distances[n] += static_cast<float>(std::clamp(rest / slope, -most, most));
                 }
             }
         }
     });
+}
+
+/// Replaces each sample of the level by the signed distance to its zero.
+void replace_by_distance(const Surface& surface, const RegionLevel& level, const ImageGrid& grid,
+                         std::vector<float>& samples) {
+    const NearestTriangles nearest = nearest_triangles(surface, grid);
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+        samples[n] = std::copysign(nearest.distance[n], samples[n]);
+    }
+    correct_for_facets(surface, level, grid, nearest, samples);
 }
 
 }  // namespace
