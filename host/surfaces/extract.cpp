@@ -61,6 +61,7 @@ SurfaceComplex make_complex(const RegionImage& image, const LabelField& field,
                             const std::vector<double>& volumes) {
     const double edge = options.edge_length_mm;
     LabelLattice lattice = sample_labels(image, field, attempt.cell_share * edge);
+    remove_thin_parts(lattice, image.grid, field);
     remove_specks(lattice, 4 * std::pow(edge, 3));
     make_well_composed(lattice, image.grid, field);
     SurfaceComplex complex = boundary_of(lattice);
@@ -69,6 +70,9 @@ SurfaceComplex make_complex(const RegionImage& image, const LabelField& field,
     const SizeField size(lattice, edge, options.outer_edge_length_mm);
     remesh(complex, interfaces, size, attempt.rounds);
     match_volumes(complex, interfaces, volumes, 4);
+    if (getenv("DBG")) { auto x = crossing_faces(complex); printf("before untangle %zu\n", x.size());
+      for (size_t q = 0; q < x.size() && q < 30; ++q) { auto& a = complex.faces[x[q][0]]; auto& b = complex.faces[x[q][1]]; auto& p = complex.points[a.v[0]];
+        printf("  %d%d/%d %d%d/%d at %.2f %.2f %.2f shared %d\n", a.regions[0], a.regions[1], a.plane, b.regions[0], b.regions[1], b.plane, p[0], p[1], p[2], int(b.has(a.v[0])) + int(b.has(a.v[1])) + int(b.has(a.v[2]))); } }
     untangle(complex, 12);
     return complex;
 }
@@ -133,7 +137,7 @@ RegionSurface extract_surfaces(const RegionImage& image, const LabelField& field
     const auto volumes = voxel_volumes(image, field.num_regions());
     check_sizes(volumes, options.edge_length_mm);
     std::string reason;
-    constexpr Attempt attempts[] = {{0.6, 6}, {0.5, 6}, {0.4, 4}};
+    constexpr Attempt attempts[] = {{0.5, 6}, {0.45, 6}, {0.4, 6}};
     for (const Attempt& attempt : attempts) {
         report_progress(progress, "surfaces", -1,
                         reason.empty() ? "" : fmt::format("again with a finer lattice: {}", reason));

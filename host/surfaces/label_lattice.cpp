@@ -127,6 +127,48 @@ Switch best_switch(LabelLattice& lattice, const Interfaces& interfaces, Index i,
     return best;
 }
 
+// Cells in no 2 x 2 x 2 block of one label; cells beyond the box agree with any label.
+std::vector<std::array<Index, 3>> thin_cells(const LabelLattice& lattice) {
+    const auto& n = lattice.size;
+    std::vector<bool> is_thick(lattice.labels.size(), false);
+    for (Index k = 0; k <= n[2]; ++k)
+        for (Index j = 0; j <= n[1]; ++j)
+            for (Index i = 0; i <= n[0]; ++i) {
+                const Block block = block_at(lattice, i, j, k);
+                const std::uint8_t label = *std::min_element(block.begin(), block.end());
+                if (label == beyond_box || !std::all_of(block.begin(), block.end(), [&](auto b) {
+                        return b == label || b == beyond_box;
+                    }))
+                    continue;
+                for (int b = 0; b < 8; ++b)
+                    if (block[b] == label)
+                        is_thick[lattice.offset(i - 1 + (b & 1), j - 1 + (b >> 1 & 1),
+                                                k - 1 + (b >> 2))] = true;
+            }
+    std::vector<std::array<Index, 3>> thin;
+    for (Index k = 0; k < n[2]; ++k)
+        for (Index j = 0; j < n[1]; ++j)
+            for (Index i = 0; i < n[0]; ++i)
+                if (!is_thick[lattice.offset(i, j, k)]) thin.push_back({i, j, k});
+    return thin;
+}
+
+// Of the other labels behind a cell's faces the one that the field prefers; its own if none.
+std::uint8_t preferred_neighbour(const LabelLattice& lattice, const Interfaces& interfaces, Index i,
+                                 Index j, Index k) {
+    const std::uint8_t own = lattice.at(i, j, k);
+    std::uint8_t best = own;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint8_t label :
+         {lattice.at(i - 1, j, k), lattice.at(i + 1, j, k), lattice.at(i, j - 1, k),
+          lattice.at(i, j + 1, k), lattice.at(i, j, k - 1), lattice.at(i, j, k + 1)}) {
+        if (label == own || label == best || label == beyond_box) continue;
+        const double value = interfaces.value(label, lattice.centre(i, j, k));
+        if (value < least) least = value, best = label;
+    }
+    return best;
+}
+
 }  // namespace
 
 LabelLattice sample_labels(const RegionImage& image, const LabelField& field, double spacing_mm) {
@@ -153,6 +195,22 @@ LabelLattice sample_labels(const RegionImage& image, const LabelField& field, do
                                : std::uint8_t(field.region_at(interfaces.to_lps(point)));
             }
     return lattice;
+}
+
+void remove_thin_parts(LabelLattice& lattice, const ImageGrid& grid, const LabelField& field) {
+    constexpr int max_rounds = 4;
+    const Interfaces interfaces(field, grid);
+    for (int round = 0; round < max_rounds; ++round) {
+        std::vector<std::array<Index, 3>> thin = thin_cells(lattice);
+        if (thin.empty()) return;
+        // decide for all cells first, so that the result does not depend on their order
+        std::vector<std::uint8_t> labels;
+        for (const auto& [i, j, k] : thin)
+            labels.push_back(preferred_neighbour(lattice, interfaces, i, j, k));
+        for (std::size_t cell = 0; cell < thin.size(); ++cell)
+            lattice.labels[lattice.offset(thin[cell][0], thin[cell][1], thin[cell][2])] =
+                labels[cell];
+    }
 }
 
 void remove_specks(LabelLattice& lattice, double min_volume_mm3) {

@@ -37,6 +37,11 @@ struct LabelLattice {
 /// The region of the smooth field at the centre of each cell of about `spacing_mm`.
 LabelLattice sample_labels(const RegionImage& image, const LabelField& field, double spacing_mm);
 
+/// Gives cells that lie in no 2 x 2 x 2 block of their own label (sheets and strands one cell thin,
+/// which a surface of the wanted edge length cannot carry) to the label around them that the field
+/// prefers. Beyond the box any label continues.
+void remove_thin_parts(LabelLattice& lattice, const ImageGrid& grid, const LabelField& field);
+
 /// Gives connected pieces smaller than `min_volume_mm3` to the label around them. The largest piece
 /// of each organ stays.
 void remove_specks(LabelLattice& lattice, double min_volume_mm3);

@@ -12,7 +12,9 @@ namespace {
 using Face = SurfaceComplex::Face;
 using Kind = SurfaceComplex::Kind;
 
-const double acceptable_cosine = std::cos(25.0 * 3.14159265358979323846 / 180);
+constexpr double degree = 3.14159265358979323846 / 180;
+const double acceptable_cosine = std::cos(25 * degree);        // of an angle in a triangle
+const double acceptable_wedge_cosine = std::cos(35 * degree);  // between faces at an edge
 
 struct Work {
     SurfaceComplex& complex;
@@ -36,10 +38,40 @@ bool keeps_shape(const SurfaceComplex& complex, const Face& face, Index moved, c
     return cosine <= old;
 }
 
+// Cosine of the sharpest angle between two faces at the edge (u, v), seen across the edge.
+double sharpest_wedge(const SurfaceComplex& complex, Index u, Index v) {
+    std::array<Index, 8> found;
+    const int count = complex.edge_faces(u, v, found);
+    const Vec3 along = (complex.points[v] - complex.points[u]).normalized();
+    std::array<Vec3, 8> side;
+    for (int i = 0; i < count; ++i)
+        for (Index w : complex.faces[found[i]].v)
+            if (w != u && w != v) {
+                const Vec3 reach = complex.points[w] - complex.points[u];
+                side[i] = (reach - along * along.dot(reach)).normalized();
+            }
+    double cosine = -1;
+    for (int i = 0; i < count; ++i)
+        for (int j = 0; j < i; ++j) cosine = std::max(cosine, side[i].dot(side[j]));
+    return cosine;
+}
+
+// The sharpest wedge at the edges of a vertex's faces, with the vertex where it is.
+double sharpest_wedge_around(const SurfaceComplex& complex, Index vertex) {
+    double cosine = -1;
+    for (Index f : complex.faces_of[vertex]) {
+        const auto& v = complex.faces[f].v;
+        for (int corner = 0; corner < 3; ++corner)
+            cosine = std::max(cosine, sharpest_wedge(complex, v[corner], v[(corner + 1) % 3]));
+    }
+    return cosine;
+}
+
 // Moves a vertex as far along the way as all its faces allow.
 void move_guarded(SurfaceComplex& complex, Index vertex, const Vec3& to) {
     constexpr double min_turn_cosine = 0.5;
     const Vec3 from = complex.points[vertex];
+    const double wedge = std::max(sharpest_wedge_around(complex, vertex), acceptable_wedge_cosine);
     for (double share : {1.0, 0.5, 0.25}) {
         const Vec3 place = from + share * (to - from);
         const auto fine = [&](Index f) {
@@ -47,7 +79,8 @@ void move_guarded(SurfaceComplex& complex, Index vertex, const Vec3& to) {
         };
         if (std::all_of(complex.faces_of[vertex].begin(), complex.faces_of[vertex].end(), fine)) {
             complex.points[vertex] = place;
-            return;
+            if (sharpest_wedge_around(complex, vertex) <= wedge) return;
+            complex.points[vertex] = from;
         }
     }
 }
@@ -321,7 +354,18 @@ void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, cons
 }
 
 void even_out(SurfaceComplex& complex, Index vertex) {
-    complex.points[vertex] = keep_on_planes(complex, vertex, evened_out(complex, vertex, false));
+    std::vector<Index> around;
+    neighbours(complex, vertex, around);
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+    for (Index v : around) {
+        // along the box only the box's own vertices count
+        if ((complex.planes[v] & complex.planes[vertex]) != complex.planes[vertex]) continue;
+        sum += complex.points[v];
+        ++count;
+    }
+    if (count == 0) return;
+    complex.points[vertex] = keep_on_planes(complex, vertex, sum / count);
 }
 
 void settle(SurfaceComplex& complex, const Interfaces& interfaces, double spread) {

@@ -22,13 +22,13 @@ bool untangle(SurfaceComplex& complex, int rounds) {
         for (const auto& pair : pairs)
             for (Index f : pair)
                 for (Index v : complex.faces[f].v) moves[v] = true;
-        for (int width = 0; width < 1 + round / 3; ++width) {
+        for (int width = 0; width < round / 3; ++width) {
             const std::vector<bool> inner = moves;
             for (const auto& face : complex.faces)
                 if (inner[face.v[0]] || inner[face.v[1]] || inner[face.v[2]])
                     for (Index v : face.v) moves[v] = true;
         }
-        for (int pass = 0; pass < 3; ++pass)
+        for (int pass = 0; pass < 2; ++pass)
             for (Index v = 0; v < Index(moves.size()); ++v)
                 if (moves[v]) even_out(complex, v);
     }
