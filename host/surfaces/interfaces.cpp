@@ -24,7 +24,7 @@ Vec3 Interfaces::step_to_interface(const Vec3& point, std::span<const std::uint8
                                    unsigned fixed_axes, double max_step_mm) const {
     // Fields of equal slope are nearly parallel where a region ends in a wedge; the damping keeps
     // the vertex from running out along the wedge's tip.
-    constexpr double damping = 0.02;
+    constexpr double damping = 0.02, curve_damping = 0.1;
     constexpr int max_equations = 4;
     const int equations = std::min(int(regions.size()) - 1, max_equations);
     if (equations < 1) return Vec3::Zero();
@@ -45,7 +45,7 @@ Vec3 Interfaces::step_to_interface(const Vec3& point, std::span<const std::uint8
         step = -residual[0] / (slope.squaredNorm() + damping) * slope * (1 + damping);
     } else {
         Mat3 normal = jacobian.transpose() * jacobian;
-        normal.diagonal().array() += damping;
+        normal.diagonal().array() += curve_damping;
         step = -normal.ldlt().solve(jacobian.transpose() * residual);
     }
     const double length = step.norm();

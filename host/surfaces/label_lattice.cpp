@@ -169,6 +169,34 @@ std::uint8_t preferred_neighbour(const LabelLattice& lattice, const Interfaces& 
     return best;
 }
 
+struct Surroundings {
+    std::uint8_t label;    ///< that most of the 27 cells have; the cell's own if only two meet
+    bool is_uniform;       ///< one label only
+};
+
+// Cells beyond the box repeat the nearest cell inside.
+Surroundings surroundings(const LabelLattice& lattice, Index i, Index j, Index k) {
+    const auto& n = lattice.size;
+    std::array<std::uint8_t, 27> labels;
+    int count = 0;
+    for (Index c = k - 1; c <= k + 1; ++c)
+        for (Index b = j - 1; b <= j + 1; ++b)
+            for (Index a = i - 1; a <= i + 1; ++a)
+                labels[count++] = lattice.at(std::clamp<Index>(a, 0, n[0] - 1),
+                                             std::clamp<Index>(b, 0, n[1] - 1),
+                                             std::clamp<Index>(c, 0, n[2] - 1));
+    const std::uint8_t own = labels[13];
+    std::sort(labels.begin(), labels.end());
+    std::uint8_t best = own;
+    int most = 0, kinds = 0;
+    for (int begin = 0, end = 0; begin < 27; begin = end, ++kinds) {
+        while (end < 27 && labels[end] == labels[begin]) ++end;
+        if (end - begin > most || (end - begin == most && labels[begin] == own))
+            most = end - begin, best = labels[begin];
+    }
+    return {kinds < 3 ? own : best, kinds == 1};
+}
+
 }  // namespace
 
 LabelLattice sample_labels(const RegionImage& image, const LabelField& field, double spacing_mm) {
@@ -210,6 +238,23 @@ void remove_thin_parts(LabelLattice& lattice, const ImageGrid& grid, const Label
         for (std::size_t cell = 0; cell < thin.size(); ++cell)
             lattice.labels[lattice.offset(thin[cell][0], thin[cell][1], thin[cell][2])] =
                 labels[cell];
+    }
+}
+
+void even_out_contacts(LabelLattice& lattice, int rounds) {
+    const auto& n = lattice.size;
+    std::vector<std::array<Index, 3>> contacts;
+    for (Index k = 0; k < n[2]; ++k)
+        for (Index j = 0; j < n[1]; ++j)
+            for (Index i = 0; i < n[0]; ++i)
+                if (!surroundings(lattice, i, j, k).is_uniform) contacts.push_back({i, j, k});
+    std::vector<std::uint8_t> labels(contacts.size());
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t c = 0; c < contacts.size(); ++c)
+            labels[c] = surroundings(lattice, contacts[c][0], contacts[c][1], contacts[c][2]).label;
+        for (std::size_t c = 0; c < contacts.size(); ++c)
+            lattice.labels[lattice.offset(contacts[c][0], contacts[c][1], contacts[c][2])] =
+                labels[c];
     }
 }
 

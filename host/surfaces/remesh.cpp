@@ -224,8 +224,11 @@ bool touches_box(const SurfaceComplex& complex, const Face& face, Index removed,
 }
 
 bool keeps_geometry(const Work& work, const Collapse& collapse) {
-    constexpr double longest = 4.0 / 3.0, min_turn_cosine = 0.7;
+    constexpr double longest = 4.0 / 3.0, tiny = 0.4;
     const SurfaceComplex& complex = work.complex;
+    const bool is_tiny = work.length(collapse.removed, collapse.kept) <
+                         tiny * work.wanted_at(collapse.removed, collapse.kept);
+    const double min_turn_cosine = is_tiny ? 0.3 : 0.7;
     for (Index vertex : {collapse.removed, collapse.kept})
         for (Index f : complex.faces_of[vertex]) {
             const Face& face = complex.faces[f];
