@@ -61,7 +61,7 @@ SurfaceComplex make_complex(const RegionImage& image, const LabelField& field,
                             const std::vector<double>& volumes) {
     const double edge = options.edge_length_mm;
     LabelLattice lattice = sample_labels(image, field, attempt.cell_share * edge);
-    even_out_contacts(lattice, 4);
+    even_out_contacts(lattice, 8);
     remove_thin_parts(lattice, image.grid, field);
     remove_specks(lattice, 4 * std::pow(edge, 3));
     make_well_composed(lattice, image.grid, field);
@@ -71,11 +71,6 @@ SurfaceComplex make_complex(const RegionImage& image, const LabelField& field,
     const SizeField size(lattice, edge, options.outer_edge_length_mm);
     remesh(complex, interfaces, size, attempt.rounds);
     match_volumes(complex, interfaces, volumes, 4);
-    if (getenv("DBG")) { auto x = crossing_faces(complex); printf("before untangle %zu\n", x.size());
-      for (size_t q = 0; q < x.size() && q < 30; ++q) { auto& a = complex.faces[x[q][0]]; auto& b = complex.faces[x[q][1]]; auto& p = complex.points[a.v[0]];
-        printf("  %d%d/%d %d%d/%d at %.2f %.2f %.2f shared %d\n", a.regions[0], a.regions[1], a.plane, b.regions[0], b.regions[1], b.plane, p[0], p[1], p[2], int(b.has(a.v[0])) + int(b.has(a.v[1])) + int(b.has(a.v[2]))); } }
-    if (getenv("DBG")) for (auto& [u, v] : complex.edges()) { double l = (complex.points[u] - complex.points[v]).norm(); if (l < 1.0) {
-        printf("short %.2f kinds %d %d feat %d planes %d %d labels", l, int(complex.kind(u)), int(complex.kind(v)), complex.is_feature(u, v), complex.planes[u], complex.planes[v]); for (auto w : {u, v}) { for (auto x : complex.labels_at(w).view()) printf(" %d", x); printf(" |"); } printf("at %.1f %.1f %.1f\n", complex.points[u][0], complex.points[u][1], complex.points[u][2]); } }
     untangle(complex, 12);
     return complex;
 }

@@ -14,6 +14,7 @@ using Kind = SurfaceComplex::Kind;
 
 constexpr double degree = 3.14159265358979323846 / 180;
 const double acceptable_cosine = std::cos(25 * degree);        // of an angle in a triangle
+const double needle_cosine = std::cos(10 * degree);
 const double acceptable_wedge_cosine = std::cos(35 * degree);  // between faces at an edge
 
 struct Work {
@@ -27,15 +28,17 @@ struct Work {
 // Whether a face keeps its side and stays (or becomes) well shaped when one corner moves.
 bool keeps_shape(const SurfaceComplex& complex, const Face& face, Index moved, const Vec3& to,
                  double min_turn_cosine) {
-    const Vec3 before = complex.area_vector(face), after = complex.area_vector(face, moved, to);
-    if (!(after.dot(before) > min_turn_cosine * after.norm() * before.norm())) return false;
+    const double old = largest_cosine(complex.points[face.v[0]], complex.points[face.v[1]],
+                                      complex.points[face.v[2]]);
     std::array<Vec3, 3> p;
     for (int i = 0; i < 3; ++i) p[i] = face.v[i] == moved ? to : complex.points[face.v[i]];
     const double cosine = largest_cosine(p[0], p[1], p[2]);
-    if (cosine <= acceptable_cosine) return true;
-    const double old = largest_cosine(complex.points[face.v[0]], complex.points[face.v[1]],
-                                      complex.points[face.v[2]]);
-    return cosine <= old;
+    const Vec3 before = complex.area_vector(face), after = complex.area_vector(face, moved, to);
+    // the normal of a needle says nothing; wedges between faces are looked at besides
+    const bool is_needle = old > needle_cosine && face.plane < 0;
+    if (!is_needle && !(after.dot(before) > min_turn_cosine * after.norm() * before.norm()))
+        return false;
+    return cosine <= std::max(acceptable_cosine, old);
 }
 
 // Cosine of the sharpest angle between two faces at the edge (u, v), seen across the edge.
@@ -85,19 +88,20 @@ void move_guarded(SurfaceComplex& complex, Index vertex, const Vec3& to) {
     }
 }
 
-// The middle of the surroundings of a vertex: of its two neighbours on a curve, of its faces (area
-// weighted) on a surface, taken back into the tangent plane or line.
+// The middle of the surroundings of a vertex: of its neighbours along feature curves, or of its
+// faces (area weighted) on a surface, there taken back into the tangent line or plane.
 Vec3 evened_out(const SurfaceComplex& complex, Index vertex, bool tangential) {
-    std::array<Index, 2> along;
+    SurfaceComplex::FeatureNeighbours along;
     const Vec3 from = complex.points[vertex];
     const Kind kind = complex.kind(vertex, &along);
-    if (kind == Kind::corner) return from;
-    if (kind == Kind::curve) {
-        const Vec3 a = complex.points[along[0]], b = complex.points[along[1]];
-        const Vec3 step = (a + b) / 2 - from;
-        const double length = (b - a).squaredNorm();
-        if (!tangential || length == 0) return from + step;
-        return from + (b - a) * (step.dot(b - a) / length);
+    if (kind != Kind::surface) {
+        Vec3 middle = Vec3::Zero();
+        for (int i = 0; i < along.count; ++i) middle += complex.points[along.vertices[i]];
+        const Vec3 step = middle / along.count - from;
+        if (!tangential || kind == Kind::corner) return from + step;
+        const Vec3 line = complex.points[along.vertices[1]] - complex.points[along.vertices[0]];
+        const double length = line.squaredNorm();
+        return length > 0 ? Vec3(from + line * (step.dot(line) / length)) : from;
     }
     Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
     double weight = 0;

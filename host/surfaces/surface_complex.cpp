@@ -67,7 +67,7 @@ bool SurfaceComplex::is_feature(Index u, Index v) const {
     return edge_faces(u, v, found) != 2 || faces[found[0]].plane != faces[found[1]].plane;
 }
 
-SurfaceComplex::Kind SurfaceComplex::kind(Index vertex, std::array<Index, 2>* along) const {
+SurfaceComplex::Kind SurfaceComplex::kind(Index vertex, FeatureNeighbours* along) const {
     struct Neighbour {
         Index vertex;
         int faces;
@@ -91,7 +91,7 @@ SurfaceComplex::Kind SurfaceComplex::kind(Index vertex, std::array<Index, 2>* al
     int features = 0;
     for (const Neighbour& n : around) {
         if (n.faces == 2 && !n.bends) continue;
-        if (along && features < 2) (*along)[features] = n.vertex;
+        if (along && along->count < 8) along->vertices[along->count++] = n.vertex;
         ++features;
     }
     return features == 0 ? Kind::surface : features == 2 ? Kind::curve : Kind::corner;

@@ -34,6 +34,10 @@ struct SurfaceComplex {
     };
     /// What a vertex may do: move on its surface, along its curve, or stay.
     enum class Kind { surface, curve, corner };
+    struct FeatureNeighbours {
+        std::array<Index, 8> vertices{};
+        int count = 0;
+    };
 
     std::vector<Vec3> points;
     std::vector<std::uint8_t> planes;  ///< per vertex: bit p set if it lies on box plane p
@@ -50,8 +54,8 @@ struct SurfaceComplex {
     /// Faces at the edge (u, v), at most 8; returns their number.
     int edge_faces(Index u, Index v, std::array<Index, 8>& found) const;
     bool is_feature(Index u, Index v) const;
-    /// The kind of a vertex, and for a curve the two neighbours along it.
-    Kind kind(Index vertex, std::array<Index, 2>* along = nullptr) const;
+    /// The kind of a vertex, and its neighbours along feature edges (at most 8; two on a curve).
+    Kind kind(Index vertex, FeatureNeighbours* along = nullptr) const;
     /// The labels inside the box that meet at a vertex.
     LabelSet labels_at(Index vertex) const;
     /// Bit a set if the vertex may not move along axis a.
