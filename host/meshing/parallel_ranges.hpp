@@ -11,9 +11,9 @@
 
 namespace palpate {
 
-/// Calls body(begin, end) on consecutive parts of 0..count, one part per hardware thread, and waits.
-/// Parts must write to disjoint memory; then the result does not depend on the number of threads.
-/// The first exception that a part throws is thrown again here.
+/// Calls body(begin, end) on consecutive parts of 0..count, one part per hardware thread, and
+/// waits. Parts must write to disjoint memory; then the result does not depend on the number of
+/// threads. The first exception that a part throws is thrown again here.
 template <typename Body>
 void parallel_ranges(Index count, const Body& body) {
     const Index num_threads =

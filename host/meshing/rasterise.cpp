@@ -22,7 +22,8 @@ void check_sizes(const Mesh& mesh, std::size_t num_values, const char* what) {
                     " entries, but the mesh has " + std::to_string(mesh.nodes.size()) + " nodes.");
 }
 
-/// Barycentric coordinates along voxel rows: weight_c(x) = constant_c + slope_c . x, x a voxel index.
+/// Barycentric coordinates along voxel rows: weight_c(x) = constant_c + slope_c . x, x a voxel
+/// index.
 struct TetWeights {
     Eigen::Vector4d constant;
     Eigen::Matrix<double, 4, 3> slope;
@@ -60,7 +61,8 @@ struct TetWeights {
 
 /// First and last whole number in [low, high], cut to 0..size-1; empty if first > last.
 std::array<Index, 2> whole_numbers(double low, double high, Index size) {
-    const double first = std::max(0.0, std::ceil(low)), last = std::min(size - 1.0, std::floor(high));
+    const double first = std::max(0.0, std::ceil(low)),
+                 last = std::min(size - 1.0, std::floor(high));
     if (!(first <= last)) return {1, 0};
     return {static_cast<Index>(first), static_cast<Index>(last)};
 }
