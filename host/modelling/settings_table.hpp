@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// Allowed numbers of one key; `open_low` excludes the lower end.
+struct NumberRange {
+    double low, high;
+    bool open_low = false;
+};
+
+/// One table of a TOML document, read strictly: every complaint is an Error(invalid_argument) of
+/// the form "file, line n: [table]: key 'k' is v; allowed: ...". Keeps the toml library out of
+/// headers.
+class SettingsTable {
+public:
+    /// Parses a document. Throws Error(input_unreadable) with the line if it is not TOML.
+    static SettingsTable parse(const std::string& toml, const std::string& source_name);
+
+    /// Throws for the first key that is not in `keys`.
+    void allow_keys(std::initializer_list<std::string_view> keys) const;
+    bool has(std::string_view key) const;
+
+    std::optional<SettingsTable> table(std::string_view key) const;
+    std::vector<SettingsTable> tables(std::string_view key) const;  ///< [[key]]; empty if absent
+
+    std::optional<double> number(std::string_view key, NumberRange range) const;
+    std::optional<int> whole_number(std::string_view key, int low, int high) const;
+    std::optional<bool> yes_or_no(std::string_view key) const;
+    std::optional<std::string> text(std::string_view key) const;
+    /// Text that must be one of `choices`.
+    std::optional<std::string> choice(std::string_view key,
+                                      std::initializer_list<std::string_view> choices) const;
+    /// Whether the value is exactly this text.
+    bool is_text(std::string_view key, std::string_view value) const;
+
+    /// Throws that a needed key is missing.
+    [[noreturn]] void missing(std::string_view key, const std::string& allowed) const;
+    /// Throws that the value of `key` is not allowed.
+    [[noreturn]] void refuse(std::string_view key, const std::string& allowed) const;
+    /// Throws a complaint about the table as a whole.
+    [[noreturn]] void fail(const std::string& complaint) const;
+
+    /// Adds the name of the thing the table describes to later complaints.
+    void set_subject(const std::string& subject);
+
+private:
+    struct Node;
+    std::shared_ptr<const Node> node_;  ///< the table and the document that owns it
+    std::string source_, title_;
+};
+
+}  // namespace palpate

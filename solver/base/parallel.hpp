@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <exception>
+#include <thread>
+#include <vector>
+
+#include "solver/base/types.hpp"
+
+namespace palpate {
+
+inline Index num_host_threads() {
+    return static_cast<Index>(std::clamp(std::thread::hardware_concurrency(), 1u, 64u));
+}
+
+/// Calls `work(begin, end)` on consecutive parts of [0, count), one part per host thread. Parts
+/// write to disjoint places, so the result does not depend on the number of threads. With fewer
+/// than `smallest_part` items per thread fewer threads are used. The first exception is rethrown.
+template <typename Work>
+void parallel_ranges(Index count, Index smallest_part, Work&& work) {
+    if (count <= 0) return;
+    const Index parts =
+        std::clamp<Index>(count / std::max<Index>(smallest_part, 1), 1, num_host_threads());
+    std::vector<std::exception_ptr> failures(parts);
+    auto run = [&](Index part) {
+        const auto edge = [&](Index p) {
+            return static_cast<Index>(std::int64_t{count} * p / parts);
+        };
+        try {
+            work(edge(part), edge(part + 1));
+        } catch (...) {
+            failures[part] = std::current_exception();
+        }
+    };
+    std::vector<std::thread> threads;
+    for (Index part = 1; part < parts; ++part) threads.emplace_back(run, part);
+    run(0);
+    for (std::thread& thread : threads) thread.join();
+    for (const std::exception_ptr& failure : failures)
+        if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace palpate

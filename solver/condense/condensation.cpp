@@ -1,0 +1,267 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/condense/condensation.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "solver/base/error.hpp"
+#include "solver/model/stiffness_matrix.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr Index columns_per_call = 128;  ///< bounds the memory: [num_dofs, 128] twice
+
+/// What a node is to the condensation.
+enum class Role : unsigned char { interior, observed, driven };
+
+struct NodeRoles {
+    std::vector<Role> role;       ///< [num_nodes]
+    std::vector<Index> position;  ///< [num_nodes] in its own list, -1 for interior nodes
+};
+
+NodeRoles assign_roles(const Model& model, const std::vector<Index>& observed,
+                       const std::vector<Index>& driven) {
+    NodeRoles roles{std::vector<Role>(model.mesh.nodes.size(), Role::interior),
+                    std::vector<Index>(model.mesh.nodes.size(), -1)};
+    const auto mark = [&](const std::vector<Index>& nodes, Role role, const char* name) {
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const Index n = nodes[i];
+            if (n < 0 || n >= model.mesh.num_nodes() || roles.role[n] != Role::interior)
+                throw Error(ErrorCode::invalid_argument,
+                            "Condensation: entry " + std::to_string(i) + " of the " + name +
+                                " nodes, node " + std::to_string(n) +
+                                ", is outside the mesh or listed twice.");
+            roles.role[n] = role;
+            roles.position[n] = static_cast<Index>(i);
+        }
+    };
+    mark(observed, Role::observed, "observed");
+    mark(driven, Role::driven, "driven");
+    for (Index n : observed)
+        for (Index c = 0; c < 3; ++c)
+            if (model.prescribed[3 * n + c])
+                throw Error(ErrorCode::invalid_argument,
+                            "Condensation: observed node " + std::to_string(n) +
+                                " has a prescribed displacement; take it out of the observed list "
+                                "or free it.");
+    return roles;
+}
+
+bool is_fully_prescribed(const Model& model, Index node) {
+    return model.prescribed[3 * node] && model.prescribed[3 * node + 1] &&
+           model.prescribed[3 * node + 2];
+}
+
+/// An interior node of two regions would couple them, and S(E) = sum E_r S_r would not hold.
+void require_separate_interiors(const Model& model, const NodeRoles& roles) {
+    std::vector<Index> region_of(model.mesh.nodes.size(), -1);
+    for (Index t = 0; t < model.mesh.num_tets(); ++t)
+        for (Index n : model.mesh.tets[t]) {
+            if (roles.role[n] != Role::interior || is_fully_prescribed(model, n)) continue;
+            const Index region = model.mesh.region[t];
+            if (region_of[n] >= 0 && region_of[n] != region)
+                throw Error(ErrorCode::invalid_argument,
+                            "Condensation: node " + std::to_string(n) + " lies between region " +
+                                std::to_string(region_of[n]) + " and region " +
+                                std::to_string(region) +
+                                ", but is neither observed, driven nor prescribed; add the nodes "
+                                "between regions to the observed nodes.");
+            region_of[n] = region;
+        }
+}
+
+/// The tets of one region as a model of its own, at unit modulus, with every observed and driven
+/// node prescribed.
+struct SubModel {
+    Model model;
+    std::vector<Index> observed_nodes;  ///< node numbers in `model`, in the order of the list
+    std::vector<Index> driven_nodes;
+    CondensedRegion block;  ///< `region`, `observed` and `driven` are filled in
+};
+
+SubModel extract_region(const Model& model, const NodeRoles& roles, Index region) {
+    SubModel sub;
+    sub.block.region = region;
+    std::vector<Index> local(model.mesh.nodes.size(), -1);
+    std::vector<std::pair<Index, Index>> observed, driven;  // position in the list, local node
+    for (Index t = 0; t < model.mesh.num_tets(); ++t) {
+        if (model.mesh.region[t] != region) continue;
+        Tet tet;
+        for (int a = 0; a < 4; ++a) {
+            const Index n = model.mesh.tets[t][a];
+            if (local[n] < 0) {
+                local[n] = sub.model.mesh.num_nodes();
+                sub.model.mesh.nodes.push_back(model.mesh.nodes[n]);
+                const bool boundary = roles.role[n] != Role::interior;
+                for (Index c = 0; c < 3; ++c)
+                    sub.model.prescribed.push_back(boundary || model.prescribed[3 * n + c]);
+                if (roles.role[n] == Role::observed)
+                    observed.emplace_back(roles.position[n], local[n]);
+                if (roles.role[n] == Role::driven) driven.emplace_back(roles.position[n], local[n]);
+            }
+            tet[a] = local[n];
+        }
+        sub.model.mesh.tets.push_back(tet);
+        sub.model.mesh.region.push_back(0);
+    }
+    if (sub.model.mesh.tets.empty()) return sub;
+    sub.model.materials = {{1.0, model.materials[region].poisson_ratio}};
+    std::sort(observed.begin(), observed.end());
+    std::sort(driven.begin(), driven.end());
+    for (const auto& [position, node] : observed) {
+        sub.block.observed.push_back(position);
+        sub.observed_nodes.push_back(node);
+    }
+    for (const auto& [position, node] : driven) {
+        sub.block.driven.push_back(position);
+        sub.driven_nodes.push_back(node);
+    }
+    return sub;
+}
+
+/// Every free node must hang together with a prescribed one, or K_ii is singular.
+void require_held(const SubModel& sub, const Adjacency& graph) {
+    const Index num_nodes = sub.model.mesh.num_nodes();
+    std::vector<unsigned char> reached(num_nodes, 0);
+    std::vector<Index> front;
+    for (Index n = 0; n < num_nodes; ++n)
+        if (sub.model.prescribed[3 * n] || sub.model.prescribed[3 * n + 1] ||
+            sub.model.prescribed[3 * n + 2]) {
+            reached[n] = 1;
+            front.push_back(n);
+        }
+    while (!front.empty()) {
+        const Index n = front.back();
+        front.pop_back();
+        for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
+            if (!reached[graph.items[k]]) {
+                reached[graph.items[k]] = 1;
+                front.push_back(graph.items[k]);
+            }
+    }
+    const auto floating = std::count(reached.begin(), reached.end(), 0);
+    if (floating > 0)
+        throw Error(ErrorCode::solve_failed,
+                    "Condensation: region " + std::to_string(sub.block.region) + " has " +
+                        std::to_string(floating) +
+                        " nodes in a part that touches no observed, driven or prescribed node and "
+                        "floats freely; remove that part from the mesh or fix it.");
+}
+
+/// Nodal forces of the columns of x at `nodes`, [3 |nodes|, columns].
+Eigen::MatrixXd reactions(const StiffnessMatrix& stiffness, const std::vector<Index>& nodes,
+                          const Columns& x) {
+    Columns force(3 * nodes.size(), x.cols());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        multiply_rows(stiffness, nodes[i], nodes[i] + 1, x.data(), static_cast<Index>(x.cols()), {},
+                      force.row(3 * i).data());
+    return force;
+}
+
+void add_to(LinearSolverSummary& total, const LinearSolverSummary& part) {
+    total.iterations += part.iterations;
+    total.refinements = std::max(total.refinements, part.refinements);
+    total.relative_residual = std::max(total.relative_residual, part.relative_residual);
+    total.seconds += part.seconds;
+    total.message = part.message;
+}
+
+class Condensation {
+public:
+    Condensation(const LinearSolverOptions& options, const ProgressSink& progress, Index columns)
+        : options_(options), progress_(progress), total_columns_(columns) {}
+
+    void run(SubModel& sub) {
+        const StiffnessMatrix stiffness = assemble_stiffness(sub.model);
+        require_held(sub, stiffness.graph);
+        const auto solver = make_linear_solver(sub.model, options_);
+        const Index num_columns = 3 * static_cast<Index>(sub.observed_nodes.size());
+        sub.block.observed_observed.resize(num_columns, num_columns);
+        sub.block.observed_driven.resize(num_columns, 3 * sub.driven_nodes.size());
+        for (Index first = 0; first < num_columns; first += columns_per_call) {
+            const Index count = std::min(columns_per_call, num_columns - first);
+            const Columns x = solve_unit_displacements(sub, *solver, first, count);
+            sub.block.observed_observed.middleCols(first, count) =
+                reactions(stiffness, sub.observed_nodes, x);
+            sub.block.observed_driven.middleRows(first, count) =
+                reactions(stiffness, sub.driven_nodes, x).transpose();
+        }
+        symmetrise(sub.block.observed_observed);
+    }
+
+    CondensationSummary summary;
+
+private:
+    /// Column j: observed dof `first + j` moves by 1 mm, all other boundary dofs stay.
+    Columns solve_unit_displacements(const SubModel& sub, LinearSolver& solver, Index first,
+                                     Index count) {
+        Columns b = Columns::Zero(sub.model.num_dofs(), count);
+        for (Index j = 0; j < count; ++j) {
+            const Index dof = first + j;
+            b(3 * sub.observed_nodes[dof / 3] + dof % 3, j) = 1;
+        }
+        Columns x;
+        const LinearSolverSummary part = solver.solve(b, x);
+        add_to(summary.linear, part);
+        summary.columns += count;
+        if (!part.converged)
+            throw Error(ErrorCode::solve_failed, "Condensation: the interior solve of region " +
+                                                     std::to_string(sub.block.region) +
+                                                     " stopped at a relative residual of " +
+                                                     std::to_string(part.relative_residual) + ": " +
+                                                     part.message + ".");
+        report_progress(
+            progress_, "condensing",
+            static_cast<double>(summary.columns) / std::max<Index>(total_columns_, 1),
+            std::to_string(summary.columns) + " of " + std::to_string(total_columns_) + " columns");
+        return x;
+    }
+
+    static void symmetrise(Eigen::MatrixXd& matrix) {
+        for (Eigen::Index j = 0; j < matrix.cols(); ++j)
+            for (Eigen::Index i = 0; i < j; ++i)
+                matrix(i, j) = matrix(j, i) = 0.5 * (matrix(i, j) + matrix(j, i));
+    }
+
+    const LinearSolverOptions& options_;
+    const ProgressSink& progress_;
+    Index total_columns_;
+};
+
+}  // namespace
+
+std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
+                                      const std::vector<Index>& driven,
+                                      const LinearSolverOptions& options,
+                                      CondensationSummary* summary, const ProgressSink& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    check_model(model);
+    const NodeRoles roles = assign_roles(model, observed, driven);
+    require_separate_interiors(model, roles);
+
+    std::vector<SubModel> parts;
+    Index columns = 0;
+    for (Index region = 0; region < static_cast<Index>(model.materials.size()); ++region) {
+        SubModel sub = extract_region(model, roles, region);
+        if (sub.observed_nodes.empty()) continue;
+        columns += 3 * static_cast<Index>(sub.observed_nodes.size());
+        parts.push_back(std::move(sub));
+    }
+    Condensation condensation(options, progress, columns);
+    std::vector<CondensedRegion> result;
+    for (SubModel& sub : parts) {
+        condensation.run(sub);
+        result.push_back(std::move(sub.block));
+    }
+    if (summary) {
+        *summary = condensation.summary;
+        summary->linear.converged = true;
+        summary->seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    return result;
+}
+
+}  // namespace palpate
