@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/meshing/parallel_ranges.hpp"
+#include "host/imaging/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -72,7 +72,7 @@ struct Stencil {
 float relax_colour(Level& level, Index colour) {
     const Stencil stencil(level);
     std::vector<float> change(level.num_rows(), 0.0f);
-    parallel_ranges(level.num_rows(), [&](Index begin, Index end) {
+    parallel_for(level.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % level.size[1], k = r / level.size[1];
             const std::size_t row = level.row(j, k);
@@ -133,7 +133,7 @@ Level coarse_level(const Level& fine) {
     coarse.unknown.assign(num_cells, 1);
     coarse.value.assign(num_cells, Value::Zero());
     coarse.source.assign(num_cells, Value::Zero());
-    parallel_ranges(coarse.num_rows(), [&](Index begin, Index end) {
+    parallel_for(coarse.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % coarse.size[1], k = r / coarse.size[1];
             for (Index i = 0; i < coarse.size[0]; ++i) {
@@ -158,7 +158,7 @@ Level coarse_level(const Level& fine) {
 /// known cell has no error.
 void restrict_residual(const Level& fine, Level& coarse) {
     const Stencil stencil(fine);
-    parallel_ranges(coarse.num_rows(), [&](Index begin, Index end) {
+    parallel_for(coarse.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % coarse.size[1], k = r / coarse.size[1];
             const std::size_t row = coarse.row(j, k);
@@ -205,7 +205,7 @@ Value interpolate(const Level& coarse, std::array<Index, 3> cell) {
 
 /// value = keep * value + (the coarse level interpolated) at the unknown cells.
 void prolongate(const Level& coarse, Level& fine, float keep) {
-    parallel_ranges(fine.num_rows(), [&](Index begin, Index end) {
+    parallel_for(fine.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % fine.size[1], k = r / fine.size[1];
             const std::size_t row = fine.row(j, k);

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "host/meshing/parallel_ranges.hpp"
+#include "host/imaging/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -152,7 +152,7 @@ ImageGrid grid_of_box(const PelvisAnatomy& anatomy, const Vec3& spacing) {
 
 RegionImage fill_shapes(const PelvisAnatomy& anatomy, const ImageGrid& grid) {
     RegionImage image{grid, std::vector<std::uint8_t>(grid.num_voxels(), background_region)};
-    parallel_ranges(grid.size[2], [&](Index begin, Index end) {
+    parallel_for(grid.size[2], [&](Index begin, Index end) {
         for (Index organ = 0; organ < num_pelvis_organs; ++organ) {
             const OrganShape& shape = anatomy.organs[organ];
             const double reach = shape.reach();

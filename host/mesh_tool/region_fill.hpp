@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "solver/mesh/mesh.hpp"
+
+namespace palpate::mesh_tool {
+
+/// The region of every tet of a mesh that keeps all `triangles` as faces: known on both sides of
+/// each triangle from the vertex order alone, carried on across the other faces. Nothing is decided by
+/// coordinates. Tets must have positive volume. `component` receives, per tet, the number of its
+/// part of space (cut at the triangles).
+/// Throws Error(mesh_failed) if a triangle is no face, or two sides disagree.
+std::vector<Index> fill_regions(const std::vector<Tet>& tets, const std::vector<Triangle>& triangles,
+                                const std::vector<std::array<Index, 2>>& regions,
+                                std::vector<Index>* component = nullptr);
+
+}  // namespace palpate::mesh_tool
