@@ -18,6 +18,24 @@ Vec3 gradient_of_value(const OrganShape& shape, const Vec3& x) {
     return gradient;
 }
 
+/// The points which, shifted, lie within `distance` of the bounding box of `others`.
+std::vector<Vec3> points_near(const std::vector<Vec3>& points, const Vec3& shift,
+                              const std::vector<Vec3>& others, double distance) {
+    Vec3 low = others.front(), high = others.front();
+    for (const Vec3& y : others) {
+        low = low.cwiseMin(y);
+        high = high.cwiseMax(y);
+    }
+    std::vector<Vec3> near;
+    for (const Vec3& x : points) {
+        const Vec3 y = x + shift;
+        const bool is_near =
+            ((y - low).array() >= -distance).all() && ((y - high).array() <= distance).all();
+        if (is_near) near.push_back(x);
+    }
+    return near;
+}
+
 }  // namespace
 
 SmoothField::SmoothField(RandomNumbers& random, double shortest_mm, double longest_mm) {
@@ -66,7 +84,7 @@ double OrganShape::reach() const {
 
 std::vector<Vec3> surface_points(const OrganShape& shape, int num_points) {
     constexpr double golden_angle = 2.399963229728653;
-    constexpr int num_bisections = 18;
+    constexpr int num_bisections = 14;
     std::vector<Vec3> points(num_points);
     for (int n = 0; n < num_points; ++n) {
         const double z = 1 - (2 * n + 1.0) / num_points, radius = std::sqrt(1 - z * z);
@@ -83,14 +101,25 @@ std::vector<Vec3> surface_points(const OrganShape& shape, int num_points) {
 
 double gap_between(const OrganShape& a, const std::vector<Vec3>& points_a, const OrganShape& b,
                    const std::vector<Vec3>& points_b) {
-    const Vec3 offset = a.centre - b.centre;
-    double depth = 0, smallest = std::numeric_limits<double>::max();
+    const Vec3 offset = a.centre - b.centre;  // everything below is relative to the centre of b
+    double depth = 0;
     for (const Vec3& x : points_a) depth = std::min(depth, b.value(a.centre + x));
     if (depth < 0) return depth;
-    for (const Vec3& x : points_a) {
-        const Vec3 from = x + offset;
-        for (const Vec3& y : points_b) smallest = std::min(smallest, (from - y).squaredNorm());
-    }
+
+    double smallest = std::numeric_limits<double>::max();
+    const auto visit_pairs = [&](const std::vector<Vec3>& from, const std::vector<Vec3>& to,
+                                 std::size_t stride) {
+        for (std::size_t n = 0; n < from.size(); n += stride) {
+            const Vec3 x = from[n] + offset;
+            for (std::size_t m = 0; m < to.size(); m += stride) {
+                smallest = std::min(smallest, (x - to[m]).squaredNorm());
+            }
+        }
+    };
+    visit_pairs(points_a, points_b, 10);  // a bound; then only pairs that can be closer
+    const double bound = std::sqrt(smallest);
+    visit_pairs(points_near(points_a, offset, points_b, bound),
+                points_near(points_b, -offset, points_a, bound), 1);
     return std::sqrt(smallest);
 }
 

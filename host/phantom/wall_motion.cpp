@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/phantom/wall_motion.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
