@@ -93,4 +93,32 @@ double bspline_value(const std::array<Index, 3>& size, const float* coefficients
     return value;
 }
 
+double bspline_derivative(const std::array<Index, 3>& size, const float* coefficients,
+                          const Vec3& index, const std::array<int, 3>& orders) {
+    std::array<Index, 3> cell;
+    std::array<std::array<double, 4>, 3> weights;
+    for (int a = 0; a < 3; ++a) {
+        cell[a] = std::min(static_cast<Index>(index[a]), size[a] - 3);
+        const double t = index[a] - cell[a];
+        const Weights w = weights_at(t);
+        const std::array<double, 4> curvature{1 - t, 3 * t - 2, 1 - 3 * t, t};
+        for (int n = 0; n < 4; ++n) {
+            weights[a][n] = orders[a] == 0 ? w.value[n] : orders[a] == 1 ? w.slope[n] : curvature[n];
+        }
+    }
+    double sum = 0;
+    for (int k = 0; k < 4; ++k) {
+        for (int j = 0; j < 4; ++j) {
+            const float* row =
+                coefficients + (cell[0] - 1) +
+                std::size_t(size[0]) *
+                    ((cell[1] - 1 + j) + std::size_t(size[1]) * (cell[2] - 1 + k));
+            for (int i = 0; i < 4; ++i) {
+                sum += weights[0][i] * weights[1][j] * weights[2][k] * row[i];
+            }
+        }
+    }
+    return sum;
+}
+
 }  // namespace palpate

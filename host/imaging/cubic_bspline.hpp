@@ -20,6 +20,10 @@ void to_bspline_coefficients(const std::array<Index, 3>& size, std::vector<float
 double bspline_value(const std::array<Index, 3>& size, const float* coefficients,
                      const Vec3& index, Vec3* gradient = nullptr);
 
+/// A mixed derivative by the index, `orders` 0..2 per axis; slower than the above.
+double bspline_derivative(const std::array<Index, 3>& size, const float* coefficients,
+                          const Vec3& index, const std::array<int, 3>& orders);
+
 inline Vec3 clamped_to_support(const std::array<Index, 3>& size, const Vec3& index) {
     return index.cwiseMax(Vec3::Ones())
         .cwiseMin(Vec3(size[0] - 2.0, size[1] - 2.0, size[2] - 2.0));

@@ -22,14 +22,14 @@ Vec3 closest_point_of_triangle(const Vec3& p, const Vec3& a, const Vec3& b, cons
     const double d3 = ab.dot(bp), d4 = ac.dot(bp);
     if (d3 >= 0 && d4 <= d3) return b;
     const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + d1 / (d1 - d3) * ab;
     const Vec3 cp = p - c;
     const double d5 = ab.dot(cp), d6 = ac.dot(cp);
     if (d6 >= 0 && d5 <= d6) return c;
     const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + d2 / (d2 - d6) * ac;
     const double va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    if (va <= 0 && d4 >= d3 && d5 >= d6 && (d4 - d3) + (d5 - d6) > 0) {
         return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
     }
     const double sum = va + vb + vc;
@@ -47,7 +47,7 @@ struct ClosestPointQuery::Tree {
     static constexpr Index leaf_size = 4;
 
     std::vector<std::array<Vec3, 3>> corners;  ///< in tree order
-    std::vector<Index> order;
+    std::vector<Index> order, place_of;        ///< triangle of a place in the tree, and back
     std::vector<Node> nodes;
 
     explicit Tree(const Surface& surface) {
@@ -67,7 +67,9 @@ struct ClosestPointQuery::Tree {
         nodes.reserve(2 * std::size_t(count) / leaf_size + 2);
         build(surface, centres, 0, count);
         corners.reserve(count);
+        place_of.resize(count);
         for (Index t : order) {
+            place_of[t] = static_cast<Index>(corners.size());
             const Triangle& v = surface.triangles[t];
             corners.push_back(
                 {surface.vertices[v[0]], surface.vertices[v[1]], surface.vertices[v[2]]});
@@ -155,8 +157,9 @@ ClosestPointQuery::ClosestPointQuery(const Surface& surface)
     : tree_(std::make_unique<Tree>(surface)) {}
 ClosestPointQuery::~ClosestPointQuery() = default;
 
-ClosestPoint ClosestPointQuery::closest(const Vec3& point) const {
-    ClosestPoint result = tree_->closest(point, -1);
+ClosestPoint ClosestPointQuery::closest(const Vec3& point, Index near_triangle) const {
+    const Index hint = near_triangle < 0 ? -1 : tree_->place_of[near_triangle];
+    ClosestPoint result = tree_->closest(point, hint);
     result.triangle = tree_->order[result.triangle];
     return result;
 }
@@ -164,11 +167,8 @@ ClosestPoint ClosestPointQuery::closest(const Vec3& point) const {
 std::vector<ClosestPoint> ClosestPointQuery::closest(const std::vector<Vec3>& points) const {
     std::vector<ClosestPoint> result(points.size());
     parallel_for(points.size(), [&](std::size_t begin, std::size_t end) {
-        Index hint = -1;
         for (std::size_t n = begin; n < end; ++n) {
-            result[n] = tree_->closest(points[n], hint);
-            hint = result[n].triangle;
-            result[n].triangle = tree_->order[hint];
+            result[n] = closest(points[n], n == begin ? -1 : result[n - 1].triangle);
         }
     });
     return result;

@@ -23,7 +23,8 @@ class ClosestPointQuery {
 public:
     explicit ClosestPointQuery(const Surface& surface);
     ~ClosestPointQuery();
-    ClosestPoint closest(const Vec3& point) const;
+    /// `near_triangle`, e.g. the answer for a neighbouring point, only speeds up the search.
+    ClosestPoint closest(const Vec3& point, Index near_triangle = -1) const;
     /// Many points at once, on all cores; fastest if neighbours in the list are neighbours in space.
     std::vector<ClosestPoint> closest(const std::vector<Vec3>& points) const;
 

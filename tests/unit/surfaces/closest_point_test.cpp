@@ -65,6 +65,16 @@ TEST(ClosestPoint, OfATriangleIsNeverFartherThanASampleOfIt) {
     }
 }
 
+TEST(ClosestPoint, OfATriangleWithoutAreaIsOnItsLongestEdge) {
+    const Vec3 a(0, 0, 0), b(2, 0, 0), above(1, 3, 0);
+
+    EXPECT_EQ(closest_point_of_triangle(above, a, a, b), Vec3(1, 0, 0));
+    EXPECT_EQ(closest_point_of_triangle(above, a, b, a), Vec3(1, 0, 0));
+    EXPECT_EQ(closest_point_of_triangle(above, a, b, b), Vec3(1, 0, 0));
+    EXPECT_EQ(closest_point_of_triangle(above, a, b, Vec3(0.5, 0, 0)), Vec3(1, 0, 0));
+    EXPECT_EQ(closest_point_of_triangle(above, b, b, b), b);
+}
+
 TEST(ClosestPoint, ManyPointsAtOnceGiveTheSame) {
     std::mt19937 random(2);
     const ClosestPointQuery query(random_triangles(random, 200));
