@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+std::string sentence_end(const std::string& text) {
+    if (text.empty()) return "";
+    return " " + text + (text.back() == '.' ? "" : ".");
+}
+
+std::string interval_text(const RegionResult& r) {
+    return fmt::format("95 % interval {} to {} kPa", significant(r.interval_kpa[0]),
+                       significant(r.interval_kpa[1]));
+}
+
+bool is_observed(const SurfaceResult& s) { return s.role == "tissue" || s.role == "driven"; }
+
+}  // namespace
+
+std::string decimals(double value, int digits) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "n/a";
+}
+
+std::string significant(double value) {
+    if (!std::isfinite(value)) return "n/a";
+    if (value == 0) return "0";
+    const double rounded = std::stod(fmt::format("{:.2e}", value));  // 9.999 has become 10
+    const int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded))));
+    if (exponent < -3 || exponent > 4) return fmt::format("{:.2e}", value);
+    return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 5));
+}
+
+std::string region_name(const RecoveryResult& result, Index region) {
+    for (const RegionResult& r : result.regions)
+        if (r.region == region) return r.name;
+    return fmt::format("region {}", region);
+}
+
+double total_seconds(const RecoveryResult& result) {
+    double total = 0;
+    for (const auto& [stage, seconds] : result.timings_s)
+        if (std::isfinite(seconds)) total += seconds;
+    return total;
+}
+
+const RegionResult* reference_tissue(const RecoveryResult& result) {
+    const RegionResult* best = nullptr;
+    for (const RegionResult& r : result.regions) {
+        if (r.hollow || r.unknown || !(r.stiffness_kpa > 0)) continue;
+        if (r.role == "background") return &r;
+        if (!best) best = &r;
+    }
+    return best;
+}
+
+std::string finding_sentence(const RecoveryResult& result, const RegionResult& r) {
+    if (r.verdict == "not identifiable")
+        return fmt::format("The stiffness of {} cannot be told from these images.{}", r.name,
+                           sentence_end(r.reason));
+    std::string text =
+        fmt::format("{}: {} kPa ({})", r.name, significant(r.stiffness_kpa), interval_text(r));
+    if (const RegionResult* known = reference_tissue(result))
+        text += fmt::format(", {} times the {} kPa given for {}",
+                            significant(r.stiffness_kpa / known->stiffness_kpa),
+                            significant(known->stiffness_kpa), known->name);
+    return text + fmt::format(". Verdict: {}.{}", r.verdict, sentence_end(r.reason));
+}
+
+std::string surfaces_sentence(const RecoveryResult& result) {
+    double before = 0, after = 0;
+    int count = 0;
+    for (const SurfaceResult& s : result.surfaces) {
+        if (!is_observed(s) || !std::isfinite(s.mean_distance_mm_before + s.mean_distance_mm_after))
+            continue;
+        before += s.mean_distance_mm_before;
+        after += s.mean_distance_mm_after;
+        ++count;
+    }
+    if (count == 0) return "";
+    return fmt::format(
+        "Mean distance to the target surfaces: {} mm after alignment, {} mm after "
+        "the recovery ({} surface{}).",
+        decimals(before / count, 2), decimals(after / count, 2), count, count == 1 ? "" : "s");
+}
+
+std::string termination_sentence(const RecoveryResult& result) {
+    const Termination& t = result.termination;
+    return fmt::format("The search {} after {} iteration{} in {} s{}{}",
+                       t.converged ? "converged" : "did NOT converge", t.iterations,
+                       t.iterations == 1 ? "" : "s", decimals(total_seconds(result), 1),
+                       t.reason.empty() ? "" : ": ", t.reason.empty() ? "." : t.reason + ".");
+}
+
+std::vector<std::string> summary_sentences(const RecoveryResult& result) {
+    std::vector<std::string> list;
+    for (const RegionResult& r : result.regions)
+        if (r.unknown) list.push_back(finding_sentence(result, r));
+    if (const std::string text = surfaces_sentence(result); !text.empty()) list.push_back(text);
+    list.push_back(termination_sentence(result));
+    return list;
+}
+
+}  // namespace palpate

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/result/recovery_result.hpp"
+
+namespace palpate {
+
+/// A number as people read it: three significant digits, no exponent between 0.001 and 99999;
+/// "n/a" if it is not finite.
+std::string significant(double value);
+/// A number with fixed decimals; "n/a" if it is not finite.
+std::string decimals(double value, int digits);
+
+/// The name of a region of the result; "region N" if it has none.
+std::string region_name(const RecoveryResult& result, Index region);
+/// Sum of the stages.
+double total_seconds(const RecoveryResult& result);
+/// How the known tissue is called to which an unknown modulus is compared; null if there is none.
+const RegionResult* reference_tissue(const RecoveryResult& result);
+
+/// What was found about one unknown modulus, in one or two sentences.
+std::string finding_sentence(const RecoveryResult& result, const RegionResult& region);
+/// How well the surfaces agree, in one sentence; empty without observed surfaces.
+std::string surfaces_sentence(const RecoveryResult& result);
+/// Whether the search converged, in one sentence.
+std::string termination_sentence(const RecoveryResult& result);
+/// All of the above in order.
+std::vector<std::string> summary_sentences(const RecoveryResult& result);
+
+}  // namespace palpate

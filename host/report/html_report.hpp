@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "host/result/recovery_result.hpp"
+
+namespace palpate {
+
+/// report.html: one file that needs nothing else and fetches nothing. Findings in words, tables,
+/// 3D surfaces that can be turned, slices with contours, convergence and profile plots. Without
+/// scripts or WebGL the tables, plots and a few fixed slices remain.
+/// Every text from outside is escaped.
+std::string html_report(const RecoveryResult& result, bool include_file_names = false);
+
+}  // namespace palpate

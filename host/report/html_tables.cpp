@@ -1,0 +1,218 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/html_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/report/findings.hpp"
+#include "host/report/markup.hpp"
+
+namespace palpate {
+namespace {
+
+std::string chip(const std::string& verdict) {
+    const std::string kind = verdict == "recovered"          ? "good"
+                             : verdict == "weak"             ? "weak"
+                             : verdict == "not identifiable" ? "bad"
+                                                             : "plain";
+    return fmt::format("<span class='chip {}'>{}</span>", kind, escape_html(verdict));
+}
+
+std::string swatch(const RecoveryResult& result, Index region) {
+    return fmt::format("<i class='swatch' style='background:{}'></i>",
+                       region_colour(result, region));
+}
+
+std::string interval_text(const RegionResult& r) {
+    return significant(r.interval_kpa[0]) + " – " + significant(r.interval_kpa[1]);
+}
+
+std::string ratio_text(const RecoveryResult& result, const RegionResult& r) {
+    const RegionResult* known = reference_tissue(result);
+    if (!known) return "";
+    return fmt::format("<p>{} × the {} kPa given for {}</p>",
+                       significant(r.stiffness_kpa / known->stiffness_kpa),
+                       significant(known->stiffness_kpa), escape_html(known->name));
+}
+
+std::string finding_card(const RecoveryResult& result, const RegionResult& r) {
+    std::string out = fmt::format("<article class='finding' style='--organ:{}'><h3>{}</h3>",
+                                  region_colour(result, r.region), escape_html(r.name));
+    if (r.verdict == "not identifiable")
+        out += "<p class='value'>–</p>";
+    else
+        out +=
+            fmt::format("<p class='value'>{} <small>kPa</small></p><p>95 % interval {} kPa</p>{}",
+                        significant(r.stiffness_kpa), interval_text(r), ratio_text(result, r));
+    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", chip(r.verdict),
+                             escape_html(r.reason));
+}
+
+std::string before_after_cells(double before, double after, int digits) {
+    return fmt::format("<td class='num from'>{}</td><td class='num'>{}</td>",
+                       decimals(before, digits), decimals(after, digits));
+}
+
+std::string facts(const std::vector<std::pair<std::string, std::string>>& rows) {
+    std::string out = "<dl>";
+    for (const auto& [name, value] : rows)
+        if (!value.empty())
+            out += fmt::format("<dt>{}</dt><dd>{}</dd>", escape_html(name), escape_html(value));
+    return out + "</dl>";
+}
+
+std::string alignment_text(const AlignmentResult& a) {
+    const double cosine = std::clamp((a.reference_to_target.rotation.trace() - 1) / 2, -1.0, 1.0);
+    const Vec3& t = a.reference_to_target.translation;
+    return fmt::format("{}: shift ({}, {}, {}) mm LPS, rotation {}°", a.method, decimals(t.x(), 2),
+                       decimals(t.y(), 2), decimals(t.z(), 2),
+                       decimals(std::acos(cosine) * 180 / std::numbers::pi, 2));
+}
+
+std::string device_text(const BackendInfo& d) {
+    std::string text = d.backend;
+    if (!d.device.empty()) text += ", " + d.device;
+    if (!d.platform.empty()) text += " (" + d.platform + ")";
+    text += d.precision == Precision::single ? ", single precision with double refinement"
+                                             : ", double precision";
+    return text;
+}
+
+std::string timings_table(const RecoveryResult& result) {
+    std::string out =
+        "<table class='narrow'><thead><tr><th>Stage</th><th class='num'>Time, s</th>"
+        "</tr></thead><tbody>";
+    for (const auto& [stage, seconds] : result.timings_s)
+        out += fmt::format("<tr><td>{}</td><td class='num'>{}</td></tr>", escape_html(stage),
+                           decimals(seconds, 2));
+    return out + fmt::format(
+                     "</tbody><tfoot><tr><td>total</td><td class='num'>{}</td></tr></tfoot>"
+                     "</table>",
+                     decimals(total_seconds(result), 2));
+}
+
+}  // namespace
+
+std::string headline_html(const RecoveryResult& result) {
+    std::vector<std::string> parts;
+    for (const RegionResult& r : result.regions) {
+        if (!r.unknown) continue;
+        parts.push_back(r.verdict == "not identifiable"
+                            ? r.name + " not identifiable"
+                            : r.name + " " + significant(r.stiffness_kpa) + " kPa");
+    }
+    if (parts.empty()) return "Deformation and forces; no modulus was unknown";
+    std::string text;
+    for (std::size_t i = 0; i < parts.size(); ++i) text += (i ? ", " : "") + parts[i];
+    return escape_html("Stiffness: " + text);
+}
+
+std::string findings_html(const RecoveryResult& result) {
+    std::string out;
+    for (const RegionResult& r : result.regions)
+        if (r.unknown) out += finding_card(result, r);
+    return out;
+}
+
+std::string notices_html(const RecoveryResult& result) {
+    std::string out;
+    if (!result.termination.converged)
+        out += fmt::format(
+            "<p class='notice bad'><b>Not converged.</b> The search ended before the "
+            "minimum was reached ({}). Do not rely on the values below.</p>",
+            escape_html(result.termination.reason));
+    for (const std::string& warning : result.warnings)
+        out += fmt::format("<p class='notice'><b>Warning.</b> {}</p>", escape_html(warning));
+    return out;
+}
+
+std::string regions_table_html(const RecoveryResult& result) {
+    std::string out =
+        "<div class='scroll'><table><thead><tr><th>Region</th><th class='num'>Label"
+        "</th><th>Role</th><th class='num'>E, kPa</th><th class='num'>95 % interval, "
+        "kPa</th><th class='num'>Poisson's ratio</th><th>Verdict</th></tr></thead>"
+        "<tbody>";
+    for (const RegionResult& r : result.regions)
+        out += fmt::format(
+            "<tr><td>{}{}</td><td class='num'>{}</td><td>{}</td><td class='num'>{}"
+            "</td><td class='num'>{}</td><td class='num'>{}</td><td>{}</td></tr>",
+            swatch(result, r.region), escape_html(r.name), r.label,
+            escape_html(r.role + (r.hollow ? ", hollow" : "")),
+            r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_text(r) : "–",
+            r.hollow ? "–" : decimals(r.poisson_ratio, 2), chip(r.verdict));
+    return out + "</tbody></table></div>";
+}
+
+std::string surfaces_table_html(const RecoveryResult& result) {
+    std::string out =
+        "<div class='scroll'><table><thead><tr><th rowspan='2'>Surface</th>"
+        "<th colspan='2' class='group'>Dice</th><th colspan='2' class='group'>Mean "
+        "distance, mm</th><th colspan='2' class='group'>Largest distance, mm</th>"
+        "<th rowspan='2' class='num'>Resultant force, N</th></tr><tr>"
+        "<th class='num from'>before</th><th class='num'>after</th>"
+        "<th class='num from'>before</th><th class='num'>after</th>"
+        "<th class='num from'>before</th><th class='num'>after</th></tr></thead>"
+        "<tbody>";
+    bool any_cut = false;
+    for (const SurfaceResult& s : result.surfaces) {
+        any_cut = any_cut || s.cut_by_image;
+        out += fmt::format(
+            "<tr><td>{}{}{}</td>{}{}{}<td class='num'>{}</td></tr>", swatch(result, s.region),
+            escape_html(s.name), s.cut_by_image ? " <sup>*</sup>" : "",
+            before_after_cells(s.dice_before, s.dice_after, 3),
+            before_after_cells(s.mean_distance_mm_before, s.mean_distance_mm_after, 2),
+            before_after_cells(s.max_distance_mm_before, s.max_distance_mm_after, 2),
+            s.role == "driven" ? decimals(s.resultant_force_mn.norm() / 1000, 3) : "–");
+    }
+    out += "</tbody></table></div>";
+    if (any_cut)
+        out +=
+            "<p class='caption'><sup>*</sup> Cut by the field of view; the cut face carries no "
+            "data.</p>";
+    return out;
+}
+
+std::string correlation_table_html(const RecoveryResult& result) {
+    if (result.correlation.size() < 2) return "";
+    std::vector<std::string> names;
+    for (const RegionResult& r : result.regions)
+        if (r.unknown) names.push_back(escape_html(r.name));
+    names.resize(result.correlation.size(), "?");
+    std::string out = "<figure class='wide'><table class='narrow'><thead><tr><th></th>";
+    for (const std::string& name : names) out += "<th class='num'>" + name + "</th>";
+    out += "</tr></thead><tbody>";
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        out += "<tr><th>" + names[i] + "</th>";
+        for (double c : result.correlation[i]) out += "<td class='num'>" + decimals(c, 2) + "</td>";
+        out += "</tr>";
+    }
+    return out +
+           "</tbody></table><figcaption>Correlation of ln E between the unknown moduli: near "
+           "+1 or −1 the data fix only a combination of the two.</figcaption></figure>";
+}
+
+std::string details_html(const RecoveryResult& result) {
+    const MesherSummary& m = result.mesher;
+    const ImageGrid& grid = result.reference_labels.grid;
+    std::string out = "<div class='columns'><div>";
+    out +=
+        facts({{"Rigid alignment", alignment_text(result.alignment)},
+               {"Search", termination_sentence(result)},
+               {"Residual of the final solve", fmt::format("{:.1e}", result.full_model_residual)},
+               {"Mesh", fmt::format("{} nodes, {} tetrahedra, smallest dihedral angle {}°",
+                                    result.mesh.mesh.num_nodes(), result.mesh.mesh.num_tets(),
+                                    decimals(m.quality.min_dihedral_deg, 1))},
+               {"Mesher", m.mesher + (m.fallback.empty() ? "" : "; " + m.fallback)},
+               {"Grid", fmt::format("{} × {} × {} voxels of {} × {} × {} mm", grid.size[0],
+                                    grid.size[1], grid.size[2], significant(grid.spacing[0]),
+                                    significant(grid.spacing[1]), significant(grid.spacing[2]))},
+               {"Computed by", device_text(result.device)},
+               {"Note", result.seed_note}});
+    return out + "</div><div>" + timings_table(result) + "</div></div>";
+}
+
+}  // namespace palpate

@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/json_report.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/report/findings.hpp"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers(const std::vector<double>& values) {
+    Json list = Json::array();
+    for (double v : values) list.push_back(number(v));
+    return list;
+}
+
+Json vector3(const Vec3& v) { return Json{number(v.x()), number(v.y()), number(v.z())}; }
+
+Json region_json(const RegionResult& r) {
+    const auto of_solid = [&](double value) { return r.hollow ? Json(nullptr) : number(value); };
+    return {{"name", r.name},
+            {"label", r.label},
+            {"role", r.role},
+            {"hollow", r.hollow},
+            {"unknown", r.unknown},
+            {"stiffness_kpa", of_solid(r.stiffness_kpa)},
+            {"interval_kpa", {of_solid(r.interval_kpa[0]), of_solid(r.interval_kpa[1])}},
+            {"sd_ln_stiffness", of_solid(r.sd_ln)},
+            {"poisson_ratio", of_solid(r.poisson_ratio)},
+            {"verdict", r.verdict},
+            {"reason", r.reason}};
+}
+
+Json surface_json(const SurfaceResult& s) {
+    return {{"name", s.name},
+            {"role", s.role},
+            {"dice_before", number(s.dice_before)},
+            {"dice_after", number(s.dice_after)},
+            {"mean_distance_mm_before", number(s.mean_distance_mm_before)},
+            {"mean_distance_mm_after", number(s.mean_distance_mm_after)},
+            {"max_distance_mm_before", number(s.max_distance_mm_before)},
+            {"max_distance_mm_after", number(s.max_distance_mm_after)},
+            {"cut_by_image", s.cut_by_image},
+            {"resultant_force_mn", vector3(s.resultant_force_mn)}};
+}
+
+Json mesh_json(const RecoveryResult& result) {
+    const MeshQuality& q = result.mesher.quality;
+    return {{"nodes", result.mesh.mesh.num_nodes()},
+            {"elements", result.mesh.mesh.num_tets()},
+            {"element_type", "tet4"},
+            {"mesher", result.mesher.mesher},
+            {"fallback", result.mesher.fallback},
+            {"inverted", q.num_inverted},
+            {"min_dihedral_deg", number(q.min_dihedral_deg)},
+            {"max_dihedral_deg", number(q.max_dihedral_deg)},
+            {"min_volume_mm3", number(q.min_volume_mm3)}};
+}
+
+Json grid_json(const ImageGrid& grid) {
+    Json direction = Json::array();
+    for (int row = 0; row < 3; ++row) direction.push_back(vector3(grid.direction.row(row)));
+    return {{"size", grid.size},
+            {"spacing_mm", vector3(grid.spacing)},
+            {"origin_mm", vector3(grid.origin)},
+            {"direction", direction}};
+}
+
+Json alignment_json(const AlignmentResult& a) {
+    Json rotation = Json::array();
+    for (int row = 0; row < 3; ++row)
+        rotation.push_back(vector3(a.reference_to_target.rotation.row(row)));
+    return {{"method", a.method},
+            {"rotation", rotation},
+            {"translation_mm", vector3(a.reference_to_target.translation)},
+            {"mean_distance_mm", number(a.mean_distance_mm)}};
+}
+
+Json correlation_json(const RecoveryResult& result) {
+    Json names = Json::array(), rows = Json::array();
+    for (const RegionResult& r : result.regions)
+        if (r.unknown) names.push_back(r.name);
+    for (const auto& row : result.correlation) rows.push_back(numbers(row));
+    return {{"regions", names}, {"ln_stiffness", rows}};
+}
+
+Json profiles_json(const RecoveryResult& result) {
+    Json list = Json::array();
+    for (const ProfileResult& p : result.profiles)
+        list.push_back({{"name", region_name(result, p.region)},
+                        {"stiffness_kpa", numbers(p.stiffness_kpa)},
+                        {"objective", numbers(p.objective)}});
+    return list;
+}
+
+Json convergence_json(const RecoveryResult& result) {
+    Json list = Json::array();
+    for (const IterationRecord& i : result.convergence)
+        list.push_back({{"iteration", i.iteration},
+                        {"objective", number(i.objective)},
+                        {"gradient_norm", number(i.gradient_norm)},
+                        {"step", number(i.step)},
+                        {"stiffness_kpa", numbers(i.stiffness_kpa)}});
+    return list;
+}
+
+Json timings_json(const RecoveryResult& result) {
+    Json timings = Json::object();
+    for (const auto& [stage, seconds] : result.timings_s) {
+        const double before = timings.contains(stage) ? timings[stage].get<double>() : 0.0;
+        timings[stage] = before + (std::isfinite(seconds) ? seconds : 0.0);
+    }
+    timings["total"] = number(total_seconds(result));
+    return timings;
+}
+
+Json device_json(const BackendInfo& d) {
+    return {{"backend", d.backend},
+            {"platform", d.platform},
+            {"name", d.device},
+            {"version", d.version},
+            {"precision", d.precision == Precision::single ? "single" : "double"},
+            {"product", d.product == Product::assembled ? "assembled" : "matrix-free"},
+            {"compute_units", d.compute_units}};
+}
+
+Json organ_json(const OrganSettings& o) {
+    Json json{
+        {"name", o.name}, {"label", o.label}, {"role", name_of(o.role)}, {"hollow", o.hollow}};
+    if (o.hollow) return json;
+    json["stiffness_kpa"] = o.stiffness_kpa ? number(*o.stiffness_kpa) : Json("unknown");
+    json["poisson_ratio"] = number(o.poisson_ratio);
+    return json;
+}
+
+Json background_json(const BackgroundSettings& b) {
+    return {{"label", b.label ? Json(*b.label) : Json(nullptr)},
+            {"stiffness_kpa", number(b.stiffness_kpa)},
+            {"poisson_ratio", number(b.poisson_ratio)},
+            {"outer_boundary", b.outer_boundary_fixed ? "fixed" : "free"}};
+}
+
+/// The values that were used; the text of the file stays out because comments may name a patient.
+Json settings_json(const Settings& s) {
+    Json organs = Json::array();
+    for (const OrganSettings& organ : s.organs) organs.push_back(organ_json(organ));
+    const PriorSettings& p = s.prior;
+    return {{"background", s.background ? background_json(*s.background) : Json(nullptr)},
+            {"organ", organs},
+            {"prior",
+             {{"noise_voxels", number(p.noise_voxels)},
+              {"displacement_sd_mm", number(p.displacement_sd_mm)},
+              {"displacement_range_mm", number(p.displacement_range_mm)},
+              {"stiffness_median_ratio", number(p.stiffness_median_ratio)},
+              {"stiffness_sd_ln", number(p.stiffness_sd_ln)}}}};
+}
+
+}  // namespace
+
+std::string json_report(const RecoveryResult& result, bool include_file_names) {
+    Json json{{"format", "palpate-result"}, {"format_version", 1}, {"version", result.version}};
+    json["summary"] = summary_sentences(result);
+    json["frame"] = "LPS, mm";
+    if (include_file_names)
+        json["inputs"] = {{"reference", result.reference_name}, {"target", result.target_name}};
+    json["grid"] = grid_json(result.reference_labels.grid);
+    Json regions = Json::array(), surfaces = Json::array();
+    for (const RegionResult& r : result.regions) regions.push_back(region_json(r));
+    for (const SurfaceResult& s : result.surfaces) surfaces.push_back(surface_json(s));
+    json["regions"] = regions;
+    json["correlation"] = correlation_json(result);
+    json["surfaces"] = surfaces;
+    json["profiles"] = profiles_json(result);
+    json["mesh"] = mesh_json(result);
+    json["alignment"] = alignment_json(result.alignment);
+    json["termination"] = {{"converged", result.termination.converged},
+                           {"reason", result.termination.reason},
+                           {"iterations", result.termination.iterations}};
+    json["convergence"] = convergence_json(result);
+    json["full_model_residual"] = number(result.full_model_residual);
+    json["timings_s"] = timings_json(result);
+    json["device"] = device_json(result.device);
+    json["settings"] = settings_json(result.settings);
+    if (!result.seed_note.empty()) json["seed_note"] = result.seed_note;
+    json["warnings"] = result.warnings;
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace palpate

@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/result_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <random>
+
+#include "host/imaging/io.hpp"
+#include "host/report/html_report.hpp"
+#include "host/report/json_report.hpp"
+#include "host/report/text_report.hpp"
+#include "host/report/vtk_report.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, const std::string& remedy) {
+    throw Error(ErrorCode::output_failed, fmt::format("{}: {}; {}", path.string(), what, remedy));
+}
+
+[[noreturn]] void fail_with_errno(const fs::path& path, const std::string& what) {
+    fail(path, fmt::format("{} ({})", what, std::strerror(errno)),
+         "check free space and permissions, or choose another folder with --out");
+}
+
+/// Opens, brings the content to disk, closes. Works for files and for folders.
+void sync_to_disk(const fs::path& path) {
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) fail_with_errno(path, "cannot be opened again to bring it to disk");
+    const bool good = ::fsync(fd) == 0 || errno == EINVAL;  // EINVAL: a file system without fsync
+    ::close(fd);
+    if (!good) fail_with_errno(path, "cannot be brought to disk");
+}
+
+void sync_tree_to_disk(const fs::path& folder) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) sync_to_disk(entry.path());
+    sync_to_disk(folder);
+}
+
+/// The folder as an absolute path without "." parts and trailing slash; links are followed.
+fs::path resolved(const fs::path& folder) {
+    fs::path path = fs::weakly_canonical(fs::absolute(folder));
+    if (path.filename().empty()) path = path.parent_path();
+    if (path == path.root_path()) fail(folder, "not a folder that can be made", "choose another");
+    return path;
+}
+
+/// A folder that is removed again unless `keep` is called.
+class TemporaryFolder {
+public:
+    explicit TemporaryFolder(const fs::path& target) {
+        std::random_device random;
+        for (int attempt = 0; attempt < 100; ++attempt) {
+            path_ = target.parent_path() /
+                    fmt::format(".{}.unfinished-{:08x}", target.filename().string(), random());
+            if (::mkdir(path_.c_str(), 0777) == 0) return;
+            if (errno != EEXIST) break;
+        }
+        const int reason = errno;
+        path_.clear();
+        errno = reason;
+        fail_with_errno(target, "cannot be made");
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        if (!path_.empty()) fs::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+    const fs::path& path() const { return path_; }
+    void keep() { path_.clear(); }
+
+private:
+    fs::path path_;
+};
+
+/// Missing parents of the target; those that were made are removed again unless `keep` is called.
+class Parents {
+public:
+    explicit Parents(const fs::path& target) {
+        for (fs::path p = target.parent_path(); !fs::exists(p); p = p.parent_path())
+            made_.push_back(p);
+        std::error_code failed;
+        fs::create_directories(target.parent_path(), failed);
+        errno = failed.value();
+        if (failed) fail_with_errno(target.parent_path(), "cannot be made");
+    }
+    ~Parents() {
+        std::error_code ignored;
+        for (const fs::path& p : made_) fs::remove(p, ignored);  // only if empty
+    }
+    void keep() { made_.clear(); }
+
+private:
+    std::vector<fs::path> made_;
+};
+
+/// Puts `fresh` in the place of `old` in one step, and the old one where `fresh` was.
+void exchange(const fs::path& fresh, const fs::path& old) {
+    if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, old.c_str(), RENAME_EXCHANGE) == 0) return;
+    if (errno != EINVAL && errno != ENOSYS) fail_with_errno(old, "cannot be replaced");
+    // A file system without exchange: away with the old one, and back with it if that fails.
+    const fs::path aside = fresh.string() + "-old";
+    if (std::rename(old.c_str(), aside.c_str()) != 0) fail_with_errno(old, "cannot be replaced");
+    if (std::rename(fresh.c_str(), old.c_str()) != 0) {
+        const int reason = errno;
+        std::rename(aside.c_str(), old.c_str());
+        errno = reason;
+        fail_with_errno(old, "cannot be replaced");
+    }
+    std::rename(aside.c_str(), fresh.c_str());
+}
+
+/// Renames to a name that nobody has taken meanwhile.
+void rename_to_new(const fs::path& from, const fs::path& to) {
+    if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return;
+    const bool unsupported = errno == EINVAL || errno == ENOSYS;
+    if (unsupported && !fs::exists(to) && std::rename(from.c_str(), to.c_str()) == 0) return;
+    fail_with_errno(to, "cannot be made");
+}
+
+}  // namespace
+
+void check_result_folder(const fs::path& folder, bool overwrite) {
+    const fs::path target = resolved(folder);
+    if (fs::exists(target)) {
+        if (!overwrite)
+            fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
+        if (!fs::exists(target / "result.json"))
+            fail(folder, "holds no result of palpate (no result.json), so it is not replaced",
+                 "choose another folder with --out");
+    }
+    fs::path parent = target.parent_path();
+    while (!fs::exists(parent)) parent = parent.parent_path();
+    if (!fs::is_directory(parent)) fail(parent, "is not a folder", "choose another with --out");
+    if (::access(parent.c_str(), W_OK | X_OK) != 0) fail_with_errno(parent, "cannot be written to");
+}
+
+void write_folder_atomically(const fs::path& folder, bool overwrite,
+                             const std::function<void(const fs::path&)>& fill) {
+    try {
+        const fs::path target = resolved(folder);
+        if (fs::exists(target) && !overwrite)
+            fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
+        Parents parents(target);
+        TemporaryFolder temporary(target);
+        fill(temporary.path());
+        sync_tree_to_disk(temporary.path());
+        if (fs::exists(target)) {
+            exchange(temporary.path(), target);  // the destructor removes the old one
+        } else {
+            rename_to_new(temporary.path(), target);
+            temporary.keep();
+        }
+        parents.keep();
+        sync_to_disk(target.parent_path());
+    } catch (const fs::filesystem_error& e) {
+        fail(folder, fmt::format("cannot be written ({})", e.code().message()),
+             "check free space and permissions, or choose another folder with --out");
+    }
+}
+
+void write_text_file(const fs::path& path, const std::string& text) {
+    std::FILE* file = std::fopen(path.c_str(), "wbx");
+    if (!file) fail_with_errno(path.filename(), "cannot be made");
+    const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    const int reason = errno;
+    if (std::fclose(file) == 0 && written) return;
+    if (!written) errno = reason;
+    fail_with_errno(path.filename(), "cannot be written");
+}
+
+void write_result(const RecoveryResult& result, const fs::path& folder,
+                  const ResultOptions& options) {
+    check_result_folder(folder, options.overwrite);
+    write_folder_atomically(folder, options.overwrite, [&](const fs::path& inside) {
+        write_text_file(inside / "result.json", json_report(result, options.include_file_names));
+        write_text_file(inside / "convergence.csv", convergence_csv(result));
+        write_text_file(inside / "report.html", html_report(result, options.include_file_names));
+        write_vtk_report(result, inside / "mesh.vtu");
+        write_vector_image(inside / "displacement.nii.gz", result.displacement_field);
+        write_label_image(inside / "warped_labels.nii.gz", result.warped_labels);
+    });
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "host/result/recovery_result.hpp"
+
+namespace palpate {
+
+struct ResultOptions {
+    bool overwrite = false;           ///< replace an older result folder of the same name
+    bool include_file_names = false;  ///< input file names (they may hold a patient's name)
+};
+
+/// Throws Error(output_failed) if `write_result` would refuse `folder`: it exists and may not be
+/// replaced, or its parent cannot be written. Call it before a long computation.
+void check_result_folder(const std::filesystem::path& folder, bool overwrite);
+
+/// Writes the result folder, all or nothing: result.json, mesh.vtu, displacement.nii.gz,
+/// warped_labels.nii.gz, convergence.csv, report.html. Missing parent folders are made.
+/// An existing folder is replaced only with `overwrite`, and only if it holds a result.json.
+/// Throws Error(output_failed) and leaves nothing behind.
+void write_result(const RecoveryResult& result, const std::filesystem::path& folder,
+                  const ResultOptions& options = {});
+
+/// Makes `folder` in one step: `fill` writes into a temporary sibling, every file is brought to
+/// disk (fsync), the sibling is renamed. If anything throws, the sibling is removed and nothing
+/// changed. Used for everything palpate writes as a folder. Throws Error(output_failed).
+void write_folder_atomically(const std::filesystem::path& folder, bool overwrite,
+                             const std::function<void(const std::filesystem::path&)>& fill);
+
+/// Writes one text file and checks every step. Throws Error(output_failed).
+void write_text_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace palpate
