@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "solver/backend/backend.hpp"
+#include "solver/backend/registry.hpp"
+
+namespace palpate {
+
+/// The back end on one OpenCL 1.2 device. Throws Error(device_unavailable) if there is no such
+/// device, Error(unsupported) for double precision on a device without it.
+/// One object belongs to one thread at a time; different objects may run in different threads.
+std::unique_ptr<Backend> make_opencl_backend(const BackendOptions& options);
+
+/// Every OpenCL device of this machine; empty if there is no driver.
+std::vector<DeviceInfo> opencl_devices();
+
+}  // namespace palpate

@@ -1,0 +1,278 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/backends/opencl/opencl_backend.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "solver/base/error.hpp"
+#include "tests/fixtures/backends.hpp"
+#include "tests/fixtures/meshes.hpp"
+#include "tests/unit/opencl/host_loops.hpp"
+
+namespace palpate {
+namespace {
+
+using host_loops::Columns;
+using host_loops::random_columns;
+using host_loops::relative_difference;
+
+// Relative to the largest entry: some ten roundings of products that partly cancel.
+double tolerance_of(Precision precision) { return precision == Precision::double_ ? 1e-13 : 3e-6; }
+
+struct Setup {
+    Precision precision;
+    Product product;
+    Index columns;
+};
+
+std::string name_of(const testing::TestParamInfo<Setup>& info) {
+    return std::string(info.param.precision == Precision::double_ ? "Double" : "Single") +
+           (info.param.product == Product::assembled ? "Assembled" : "MatrixFree") +
+           std::to_string(info.param.columns) + "Columns";
+}
+
+std::vector<Setup> all_setups() {
+    std::vector<Setup> setups;
+    for (Precision precision : {Precision::single, Precision::double_})
+        for (Product product : {Product::assembled, Product::matrix_free})
+            for (Index columns : {1, 3, 16, 33}) setups.push_back({precision, product, columns});
+    return setups;
+}
+
+BackendOptions options_of(const Setup& setup) {
+    BackendOptions options;
+    options.precision = setup.precision;
+    options.product = setup.product;
+    return options;
+}
+
+Columns out_of(Backend& backend, const DeviceVector& v) {
+    Columns host(v.rows(), v.columns());
+    backend.copy_out(v, {host.data(), static_cast<std::size_t>(host.size())});
+    return host;
+}
+
+std::unique_ptr<DeviceVector> into(Backend& backend, const Columns& host) {
+    auto v = backend.make_vector(static_cast<Index>(host.rows()), static_cast<Index>(host.cols()));
+    backend.copy_in({host.data(), static_cast<std::size_t>(host.size())}, *v);
+    return v;
+}
+
+class OpenclBackendTest : public testing::TestWithParam<Setup> {
+protected:
+    void SetUp() override {
+        try {
+            backend = make_opencl_backend(options_of(GetParam()));
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::device_unavailable &&
+                error.code() != ErrorCode::unsupported)
+                throw;
+            GTEST_SKIP() << error.what();
+        }
+    }
+
+    std::unique_ptr<DeviceVector> random_vector(Index rows, unsigned seed) {
+        return into(*backend, random_columns(rows, GetParam().columns, seed));
+    }
+    std::unique_ptr<DeviceVector> nan_vector(Index rows) {
+        auto v = backend->make_vector(rows, GetParam().columns);
+        backend->fill(*v, std::numeric_limits<double>::quiet_NaN());
+        return v;
+    }
+    void expect_close(const DeviceVector& actual, const Columns& expected) {
+        EXPECT_LE(relative_difference(out_of(*backend, actual), expected),
+                  tolerance_of(GetParam().precision));
+    }
+
+    std::unique_ptr<Backend> backend;
+};
+
+INSTANTIATE_TEST_SUITE_P(Setups, OpenclBackendTest, testing::ValuesIn(all_setups()), name_of);
+
+// 60 nodes: less than a work group; 1,260 nodes: no multiple of one.
+const std::array<Index, 3> mesh_sizes[] = {{2, 3, 4}, {13, 8, 9}};
+
+TEST_P(OpenclBackendTest, ProductsMatchPlainLoopsOnHost) {
+    for (const auto& cubes : mesh_sizes) {
+        const Model model = fixtures::two_tissue_model(cubes);
+        const std::vector<double> moduli = host_loops::moduli_of(model);
+        const Columns x = random_columns(model.num_dofs(), GetParam().columns, 1);
+        backend->prepare(model);
+        const auto device_x = into(*backend, x);
+        const auto y = nan_vector(model.num_dofs());
+
+        backend->internal_force(*device_x, *y);
+        expect_close(*y, host_loops::internal_force(model, moduli, x));
+        backend->apply_stiffness(*device_x, *y);
+        expect_close(*y, host_loops::constrained_product(model, moduli, x));
+        backend->apply_block_jacobi(*device_x, *y);
+        expect_close(*y, host_loops::block_jacobi(model, moduli, x));
+    }
+}
+
+TEST_P(OpenclBackendTest, NewStiffnessRescalesEveryOperation) {
+    Model model = fixtures::two_tissue_model({4, 3, 5});
+    const Columns x = random_columns(model.num_dofs(), GetParam().columns, 2);
+    const std::vector<double> moduli = {7.5, 0.25};
+    ASSERT_EQ(model.materials.size(), moduli.size());
+    backend->prepare(model);
+    const auto device_x = into(*backend, x);
+    const auto y = nan_vector(model.num_dofs());
+
+    backend->set_stiffness(moduli);
+
+    backend->internal_force(*device_x, *y);
+    expect_close(*y, host_loops::internal_force(model, moduli, x));
+    backend->apply_stiffness(*device_x, *y);
+    expect_close(*y, host_loops::constrained_product(model, moduli, x));
+    backend->apply_block_jacobi(*device_x, *y);
+    expect_close(*y, host_loops::block_jacobi(model, moduli, x));
+}
+
+TEST_P(OpenclBackendTest, EnergyAndParameterGradientMatchPlainLoopsOnHost) {
+    const Model model = fixtures::two_tissue_model({13, 8, 9});
+    const Columns x = random_columns(model.num_dofs(), GetParam().columns, 3);
+    const Columns lambda = random_columns(model.num_dofs(), GetParam().columns, 4);
+    backend->prepare(model);
+    const auto device_x = into(*backend, x);
+    const auto device_lambda = into(*backend, lambda);
+    std::vector<double> energy(GetParam().columns);
+    std::vector<double> gradient(2);
+
+    backend->strain_energy(*device_x, energy);
+    backend->parameter_gradient(*device_lambda, *device_x, gradient);
+
+    const Columns force = host_loops::internal_force(model, host_loops::moduli_of(model), x);
+    for (Index c = 0; c < GetParam().columns; ++c) {
+        const double expected = 0.5 * x.col(c).dot(force.col(c));
+        EXPECT_NEAR(energy[c], expected, 1e-6 * expected);
+    }
+    const std::vector<double> units[] = {{1, 0}, {0, 1}};
+    for (int region = 0; region < 2; ++region) {
+        const Columns unit_force = host_loops::internal_force(model, units[region], x);
+        const double expected = (lambda.array() * unit_force.array()).sum();
+        const double size = lambda.norm() * unit_force.norm();
+        EXPECT_NEAR(gradient[region], expected, tolerance_of(GetParam().precision) * size);
+    }
+}
+
+TEST_P(OpenclBackendTest, VectorOperationsMatchHostWithOneCoefficientPerColumn) {
+    const Index rows = 1237;
+    const Index columns = GetParam().columns;
+    const Columns x = random_columns(rows, columns, 5);
+    const Columns y = random_columns(rows, columns, 6);
+    std::vector<double> alpha(columns), beta(columns), product(columns);
+    for (Index c = 0; c < columns; ++c) {
+        alpha[c] = 0.5 + c;
+        beta[c] = c % 3 == 1 ? 0.0 : -0.25 * c;
+    }
+    const auto device_x = into(*backend, x);
+    const auto device_y = into(*backend, y);
+
+    backend->axpby(alpha, *device_x, beta, *device_y);
+    backend->dot(*device_x, *device_x, product);
+
+    Columns expected(rows, columns);
+    for (Index c = 0; c < columns; ++c) {
+        expected.col(c) = alpha[c] * x.col(c) + beta[c] * y.col(c);
+        EXPECT_NEAR(product[c], x.col(c).squaredNorm(), 1e-6 * x.col(c).squaredNorm());
+    }
+    expect_close(*device_y, expected);
+}
+
+TEST_P(OpenclBackendTest, AxpbyWithZeroBetaOverwritesNan) {
+    const Index rows = 100;
+    const auto x = random_vector(rows, 7);
+    const auto y = nan_vector(rows);
+    const std::vector<double> one(GetParam().columns, 1.0), zero(GetParam().columns, 0.0);
+
+    backend->axpby(one, *x, zero, *y);
+
+    expect_close(*y, random_columns(rows, GetParam().columns, 7));
+}
+
+TEST_P(OpenclBackendTest, SumsAreTheSameBitsEveryTime) {
+    const Model model = fixtures::two_tissue_model({5, 4, 3});
+    backend->prepare(model);
+    const auto x = random_vector(model.num_dofs(), 8);
+    const auto y = nan_vector(model.num_dofs());
+    std::vector<double> first(GetParam().columns), again(GetParam().columns);
+
+    backend->apply_stiffness(*x, *y);
+    backend->dot(*x, *y, first);
+    for (int repeat = 0; repeat < 5; ++repeat) {
+        backend->apply_stiffness(*x, *y);
+        backend->dot(*x, *y, again);
+        ASSERT_EQ(again, first);
+    }
+}
+
+TEST_P(OpenclBackendTest, NodeWithoutElementsAndEmptyMeshWork) {
+    Model model = fixtures::two_tissue_model({2, 2, 2});
+    model.mesh.nodes.push_back(Vec3(99, 99, 99));
+    model.prescribed.insert(model.prescribed.end(), {1, 1, 0});
+    const Columns x = random_columns(model.num_dofs(), GetParam().columns, 9);
+    backend->prepare(model);
+    const auto device_x = into(*backend, x);
+    const auto y = nan_vector(model.num_dofs());
+
+    backend->apply_stiffness(*device_x, *y);
+
+    expect_close(*y, host_loops::constrained_product(model, host_loops::moduli_of(model), x));
+    backend->prepare(Model{});
+    const auto nothing = backend->make_vector(0, GetParam().columns);
+    backend->apply_stiffness(*nothing, *nothing);
+    std::vector<double> sums(GetParam().columns, 1.0);
+    backend->dot(*nothing, *nothing, sums);
+    EXPECT_EQ(sums, std::vector<double>(GetParam().columns, 0.0));
+}
+
+TEST_P(OpenclBackendTest, SizeMismatchesAreRefused) {
+    const Model model = fixtures::two_tissue_model({2, 2, 2});
+    const auto code_of = [](auto&& call) {
+        try {
+            call();
+        } catch (const Error& error) {
+            return error.code();
+        }
+        return ErrorCode::internal;
+    };
+    const auto x = backend->make_vector(model.num_dofs(), 2);
+    const auto narrow = backend->make_vector(model.num_dofs(), 1);
+    const auto longer = backend->make_vector(model.num_dofs() + 3, 2);
+    std::vector<double> one(1), two(2);
+
+    EXPECT_EQ(code_of([&] { backend->apply_stiffness(*x, *x); }), ErrorCode::invalid_argument);
+    backend->prepare(model);
+    EXPECT_EQ(code_of([&] { backend->apply_stiffness(*x, *narrow); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { backend->apply_stiffness(*longer, *longer); }),
+              ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { backend->axpby(one, *x, two, *x); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { backend->dot(*x, *x, one); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { backend->copy_in(one, *x); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { backend->set_stiffness(one); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { backend->make_vector(3, 0); }), ErrorCode::invalid_argument);
+}
+
+TEST_P(OpenclBackendTest, VectorsOfAnotherBackendAreRefused) {
+    const auto other = make_opencl_backend(options_of(GetParam()));
+    const auto foreign = other->make_vector(3, 1);
+
+    EXPECT_THROW(backend->fill(*foreign, 0), Error);
+}
+
+TEST_P(OpenclBackendTest, TooLargeVectorSaysThatMemoryRanOut) {
+    try {
+        backend->make_vector(std::numeric_limits<Index>::max(), 1 << 20);
+        FAIL() << "8 PiB were allocated";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::out_of_memory);
+    }
+}
+
+}  // namespace
+}  // namespace palpate
