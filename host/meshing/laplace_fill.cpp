@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/meshing/parallel_ranges.hpp"
+#include "host/imaging/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -15,11 +15,11 @@ using Value = Eigen::Array3f;
 /// Cell-centred grid of one level. Known cells hold Dirichlet values, unknown ones the solution.
 struct Level {
     std::array<Index, 3> size{};
-    std::array<float, 3> weight{};       ///< 1 / h^2 per axis
-    std::array<Index, 3> factor{1, 1, 1};///< 2 along the axes that this level halved
+    std::array<float, 3> weight{};         ///< 1 / h^2 per axis
+    std::array<Index, 3> factor{1, 1, 1};  ///< 2 along the axes that this level halved
     std::vector<std::uint8_t> unknown;
     std::vector<std::array<Index, 2>> span;  ///< [rows] first and last + 1 unknown i of each row
-    std::vector<Value> value, source;    ///< Laplacian(value) = source at unknown cells
+    std::vector<Value> value, source;        ///< Laplacian(value) = source at unknown cells
 
     std::size_t row(Index j, Index k) const {
         return std::size_t(size[0]) * (std::size_t(j) + std::size_t(size[1]) * k);
@@ -72,7 +72,7 @@ struct Stencil {
 float relax_colour(Level& level, Index colour) {
     const Stencil stencil(level);
     std::vector<float> change(level.num_rows(), 0.0f);
-    parallel_ranges(level.num_rows(), [&](Index begin, Index end) {
+    parallel_for(level.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % level.size[1], k = r / level.size[1];
             const std::size_t row = level.row(j, k);
@@ -133,7 +133,7 @@ Level coarse_level(const Level& fine) {
     coarse.unknown.assign(num_cells, 1);
     coarse.value.assign(num_cells, Value::Zero());
     coarse.source.assign(num_cells, Value::Zero());
-    parallel_ranges(coarse.num_rows(), [&](Index begin, Index end) {
+    parallel_for(coarse.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % coarse.size[1], k = r / coarse.size[1];
             for (Index i = 0; i < coarse.size[0]; ++i) {
@@ -158,7 +158,7 @@ Level coarse_level(const Level& fine) {
 /// known cell has no error.
 void restrict_residual(const Level& fine, Level& coarse) {
     const Stencil stencil(fine);
-    parallel_ranges(coarse.num_rows(), [&](Index begin, Index end) {
+    parallel_for(coarse.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % coarse.size[1], k = r / coarse.size[1];
             const std::size_t row = coarse.row(j, k);
@@ -187,8 +187,8 @@ Value interpolate(const Level& coarse, std::array<Index, 3> cell) {
     std::array<Index, 3> low{}, high{};
     std::array<float, 3> t{};
     for (int axis = 0; axis < 3; ++axis) {
-        const float x = coarse.factor[axis] == 2 ? 0.5f * float(cell[axis]) - 0.25f
-                                                 : float(cell[axis]);
+        const float x =
+            coarse.factor[axis] == 2 ? 0.5f * float(cell[axis]) - 0.25f : float(cell[axis]);
         const Index below = static_cast<Index>(std::floor(x));
         t[axis] = x - float(below);
         low[axis] = std::clamp<Index>(below, 0, coarse.size[axis] - 1);
@@ -205,14 +205,13 @@ Value interpolate(const Level& coarse, std::array<Index, 3> cell) {
 
 /// value = keep * value + (the coarse level interpolated) at the unknown cells.
 void prolongate(const Level& coarse, Level& fine, float keep) {
-    parallel_ranges(fine.num_rows(), [&](Index begin, Index end) {
+    parallel_for(fine.num_rows(), [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % fine.size[1], k = r / fine.size[1];
             const std::size_t row = fine.row(j, k);
             for (Index i = fine.span[r][0]; i < fine.span[r][1]; ++i) {
                 if (!fine.unknown[row + i]) continue;
-                fine.value[row + i] =
-                    keep * fine.value[row + i] + interpolate(coarse, {i, j, k});
+                fine.value[row + i] = keep * fine.value[row + i] + interpolate(coarse, {i, j, k});
             }
         }
     });

@@ -8,8 +8,8 @@
 
 #include <Eigen/LU>
 
+#include "host/imaging/parallel.hpp"
 #include "host/meshing/laplace_fill.hpp"
-#include "host/meshing/parallel_ranges.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -22,7 +22,8 @@ void check_sizes(const Mesh& mesh, std::size_t num_values, const char* what) {
                     " entries, but the mesh has " + std::to_string(mesh.nodes.size()) + " nodes.");
 }
 
-/// Barycentric coordinates along voxel rows: weight_c(x) = constant_c + slope_c . x, x a voxel index.
+/// Barycentric coordinates along voxel rows: weight_c(x) = constant_c + slope_c . x, x a voxel
+/// index.
 struct TetWeights {
     Eigen::Vector4d constant;
     Eigen::Matrix<double, 4, 3> slope;
@@ -60,7 +61,8 @@ struct TetWeights {
 
 /// First and last whole number in [low, high], cut to 0..size-1; empty if first > last.
 std::array<Index, 2> whole_numbers(double low, double high, Index size) {
-    const double first = std::max(0.0, std::ceil(low)), last = std::min(size - 1.0, std::floor(high));
+    const double first = std::max(0.0, std::ceil(low)),
+                 last = std::min(size - 1.0, std::floor(high));
     if (!(first <= last)) return {1, 0};
     return {static_cast<Index>(first), static_cast<Index>(last)};
 }
@@ -179,7 +181,7 @@ std::vector<Index> tet_of_voxels(const Mesh& mesh, const std::vector<Vec3>& node
     check_sizes(mesh, nodes.size(), "The list of node positions");
     const std::vector<Vec3> indices = to_voxel_indices(nodes, grid);
     std::vector<Index> tet_of(grid.num_voxels(), -1);
-    parallel_ranges(grid.size[2], [&](Index first_slice, Index end_slice) {
+    parallel_for(grid.size[2], [&](Index first_slice, Index end_slice) {
         for (Index t = 0; t < mesh.num_tets(); ++t) {
             mark_tet(t, corners(mesh.tets[t], indices), grid, first_slice, end_slice, tet_of);
         }
@@ -195,7 +197,7 @@ Image<Vec3> displacement_on_grid(const Mesh& mesh, const std::vector<Vec3>& disp
         affine_displacements(mesh, to_voxel_indices(mesh.nodes, grid), displacement);
     Image<Vec3> field{grid, std::vector<Vec3>(grid.num_voxels(), Vec3::Zero())};
     std::vector<std::uint8_t> unknown(grid.num_voxels(), 0);
-    parallel_ranges(grid.size[2], [&](Index begin, Index end) {
+    parallel_for(grid.size[2], [&](Index begin, Index end) {
         for (Index k = begin; k < end; ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {
@@ -215,7 +217,7 @@ LabelImage warp_labels(const LabelImage& labels, const Image<Vec3>& displacement
                        const ImageGrid& out_grid) {
     const double tolerance_mm = 0.01 * out_grid.spacing.minCoeff();
     LabelImage out{out_grid, std::vector<std::uint16_t>(out_grid.num_voxels(), 0)};
-    parallel_ranges(out_grid.size[2], [&](Index begin, Index end) {
+    parallel_for(out_grid.size[2], [&](Index begin, Index end) {
         for (Index k = begin; k < end; ++k) {
             for (Index j = 0; j < out_grid.size[1]; ++j) {
                 Vec3 shift = Vec3::Zero();  // of the voxel before, a good start for this one

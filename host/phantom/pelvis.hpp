@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "host/imaging/label_image.hpp"
@@ -13,26 +14,53 @@
 namespace palpate {
 
 struct PelvisOptions {
-    unsigned seed = 1;                 ///< anatomy and load; the same seed gives the same phantom
-    double stiffness_kpa = 80;         ///< of the prostate, 1..10000
-    double poisson_ratio = 0.40;       ///< of the prostate
+    unsigned seed = 1;            ///< anatomy and load; the same seed gives the same phantom
+    double stiffness_kpa = 80;    ///< of the prostate, 1..10000
+    double poisson_ratio = 0.40;  ///< of the prostate
     double background_stiffness_kpa = 10;
     double background_poisson_ratio = 0.35;
-    Vec3 spacing{1, 1, 1};             ///< mm, of the label volumes written
-    Index num_nodes = 30000;           ///< of the mesh that the truth is solved on
+    Vec3 spacing{1, 1, 1};    ///< mm, of the label volumes written
+    Index num_nodes = 30000;  ///< of the mesh that the truth is solved on
+};
+
+/// What was asked of one wall, and the force that it took.
+struct WallTruth {
+    std::string name;
+    double expansion_mm = 0;   ///< mean motion along the outward normal
+    double push_mm = 0;        ///< more of it where the wall faces the prostate
+    double tangential_mm = 0;  ///< amplitude of the motion along the wall
+    Vec3 shift_mm = Vec3::Zero();
+    Vec3 resultant_force_mn = Vec3::Zero();  ///< sum of the nodal forces on the wall, LPS
+};
+
+struct PelvisTruth {
+    std::vector<WallTruth> walls;  ///< lengths before `load_scale`
+    double load_scale = 1;         ///< on all wall motions, so that no tet is crushed
+    double smallest_jacobian = 1;  ///< smallest det(I + grad u) of all tets
+    double peak_displacement_mm = 0;
+    double prostate_mean_displacement_mm = 0;
+    double prostate_shape_change_mm = 0;  ///< rms of what its best rigid motion leaves
+    double solve_residual = 0;            ///< relative
+    MesherSummary mesher;
 };
 
 /// A patient with known answers: irregular prostate, hollow bladder and rectum pushing on it, two
 /// fixed bones, a box of background tissue.
 struct PelvisPhantom {
     Settings settings;
-    LabelImage reference, target;       ///< voxelised from the undeformed and the deformed mesh
+    LabelImage reference, target;  ///< voxelised from the undeformed and the deformed mesh
     RegionMesh mesh;
-    std::vector<Vec3> displacement;     ///< [num_nodes] mm
-    std::vector<Vec3> landmarks;        ///< points inside the prostate, LPS mm, reference
+    std::vector<Vec3> displacement;  ///< [num_nodes] mm
+    std::vector<Vec3> landmarks;     ///< points inside the prostate, LPS mm, reference
     std::vector<Vec3> landmark_displacements;
+    PelvisTruth truth;
 };
 
+/// Steps: random implicit shapes, a fine label volume of them, surfaces, a mesh, prescribed motion
+/// of the bladder and rectum walls (filling, emptying, a push towards the prostate, a small
+/// tangential part), linear elasticity, and voxels from the undeformed and the deformed mesh.
+/// `solver`, `mesher` give the means; size and edge lengths of the mesh come from `options`.
+/// Throws Error(invalid_argument) for an option out of range, and what meshing and solving throw.
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
                           const MesherOptions& mesher, const ProgressSink& progress = {});
 

@@ -167,15 +167,16 @@ TEST(DisplacementOnGrid, ContinuesALinearFieldLinearlyThroughAHole) {
         for (Index j = 0; j < 40; ++j)
             for (Index i = 0; i < 40; ++i) {
                 const Vec3 x = grid.to_point(Vec3(i, j, k));
-                largest = std::max(largest, (field.at(i, j, k) - slope.dot(x) * Vec3(1, 2, -1)).norm());
+                largest =
+                    std::max(largest, (field.at(i, j, k) - slope.dot(x) * Vec3(1, 2, -1)).norm());
             }
     EXPECT_LT(largest, continuation_tolerance);
 }
 
 TEST(DisplacementOnGrid, StaysConstantBeyondASlabInABoxOfInsulatedWalls) {
     // Between two slabs of value 1 and 3 the solution is linear; beyond them it is constant.
-    Mesh mesh = make_block(30, 1.0, Vec3::Zero(),
-                           [](Index i, Index, Index) { return i == 8 || i == 20; });
+    Mesh mesh =
+        make_block(30, 1.0, Vec3::Zero(), [](Index i, Index, Index) { return i == 8 || i == 20; });
     ImageGrid grid;
     grid.size = {30, 30, 30};
     grid.origin = Vec3(0.5, 0.5, 0.5);

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "host/imaging/label_image.hpp"
+#include "host/phantom/organ_shape.hpp"
+
+namespace palpate {
+
+/// The organs of the pelvis phantom in the order of its settings: region number = 2 + position.
+enum PelvisOrgan { prostate, bladder, rectum, bone_left, bone_right, num_pelvis_organs };
+
+/// Implicit shapes (LPS mm: x left, y posterior, z superior) and the box of tissue round them.
+struct PelvisAnatomy {
+    std::array<OrganShape, num_pelvis_organs> organs;
+    Vec3 box_corner = Vec3::Zero();  ///< lowest corner, mm
+    Vec3 box_size = Vec3::Zero();    ///< mm
+};
+
+/// An anatomy that varies with the seed: prostate of 30 to 65 cm^3 at the origin, bladder above and
+/// in front and rectum behind it at gaps of 2.5 to 5.5 mm, bones 11 to 15 mm to its sides, no two
+/// organs closer than 2 mm, at least 20 mm of tissue to the sides of the box. The box holds whole
+/// voxels of `spacing` (mm); it is the same for all spacings that divide 6 mm.
+PelvisAnatomy make_anatomy(unsigned seed, const Vec3& spacing);
+
+/// The whole number of voxels of about `spacing` (exact if it is the anatomy's) that fill the box.
+ImageGrid grid_of_box(const PelvisAnatomy& anatomy, const Vec3& spacing);
+
+/// Region of the shape that holds each voxel centre; background elsewhere.
+RegionImage fill_shapes(const PelvisAnatomy& anatomy, const ImageGrid& grid);
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "host/meshing/mesher.hpp"
+#include "host/phantom/wall_motion.hpp"
+#include "solver/linear/linear_solver.hpp"
+
+namespace palpate {
+
+/// Which nodes of a mesh lie on the surface of a region (1) and which do not (0), [num_nodes].
+std::vector<std::uint8_t> nodes_on_region(const RegionMesh& mesh, Index region);
+
+struct Deformation {
+    std::vector<Vec3> displacement;  ///< [num_nodes] mm, load scale included
+    double load_scale = 1;           ///< factor on the wall motions, 1 where no element suffers
+    double smallest_jacobian = 1;    ///< smallest det(I + grad u) of all tets
+    LinearSolverSummary solve;
+};
+
+/// Solves linear elasticity with the walls' motion prescribed and bones and box fixed, then scales
+/// the load down until det(I + grad u) > 0.2 in every tet.
+///   materials  by region number
+/// Throws Error(solve_failed) if the solver misses its tolerance.
+Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
+                            const std::vector<WallMotion>& motions,
+                            const LinearSolverOptions& options, const ProgressSink& progress);
+
+/// Nodal forces K u (mN), [num_nodes]; summed over the nodes of a wall they are its resultant.
+std::vector<Vec3> nodal_forces(const Mesh& mesh, const std::vector<LinearElastic>& materials,
+                               const std::vector<Vec3>& displacement);
+
+}  // namespace palpate

@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/phantom/pelvis.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "host/phantom/anatomy.hpp"
+#include "host/phantom/deform.hpp"
+#include "host/phantom/voxelise.hpp"
+#include "host/phantom/wall_motion.hpp"
+#include "host/surfaces/extract.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr Index prostate_region = first_organ_region + prostate;
+const std::vector<Index> hollow_regions{first_organ_region + bladder, first_organ_region + rectum,
+                                        first_organ_region + bone_left,
+                                        first_organ_region + bone_right};
+
+void check_range(const char* name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    std::ostringstream text;
+    text << "The phantom's " << name << " is " << value << ", but must lie in " << low << " to "
+         << high << ".";
+    throw Error(ErrorCode::invalid_argument, text.str());
+}
+
+void check_options(const PelvisOptions& options) {
+    check_range("stiffness_kpa", options.stiffness_kpa, 1, 10000);
+    check_range("background_stiffness_kpa", options.background_stiffness_kpa, 0.1, 10000);
+    check_range("poisson_ratio", options.poisson_ratio, 0, 0.495);
+    check_range("background_poisson_ratio", options.background_poisson_ratio, 0, 0.495);
+    check_range("num_nodes", options.num_nodes, 1000, 2000000);
+    for (int axis = 0; axis < 3; ++axis) check_range("spacing", options.spacing[axis], 0.3, 8);
+}
+
+Settings make_settings(const PelvisOptions& options) {
+    Settings settings;
+    settings.background = BackgroundSettings{};
+    settings.background->stiffness_kpa = options.background_stiffness_kpa;
+    settings.background->poisson_ratio = options.background_poisson_ratio;
+    settings.organs = {
+        {"prostate", 1, Role::tissue, false, {}, options.poisson_ratio},
+        {"bladder", 2, Role::driven, true, {}, 0.40},
+        {"rectum", 3, Role::driven, true, {}, 0.40},
+        {"bone_left", 4, Role::fixed, true, {}, 0.40},
+        {"bone_right", 5, Role::fixed, true, {}, 0.40},
+    };
+    return settings;
+}
+
+/// By region number; hollow regions hold no tets, their entries are never used.
+std::vector<LinearElastic> make_materials(const PelvisOptions& options, Index num_regions) {
+    std::vector<LinearElastic> materials(num_regions);
+    materials[background_region] = {options.background_stiffness_kpa,
+                                    options.background_poisson_ratio};
+    materials[prostate_region] = {options.stiffness_kpa, options.poisson_ratio};
+    return materials;
+}
+
+RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions& options,
+                               MesherOptions mesher, MesherSummary& summary,
+                               const ProgressSink& progress) {
+    // 30,000 nodes make edges of 1.9 mm on the organs; sizes follow from that.
+    const double coarseness = std::cbrt(30000.0 / options.num_nodes);
+    mesher.num_nodes = options.num_nodes;
+    mesher.edge_length_mm = 1.9 * coarseness;
+    mesher.outer_edge_length_mm = 12.0 * std::max(1.0, coarseness);
+
+    const Settings settings = make_settings(options);
+    const RegionImage image = fill_shapes(anatomy, grid_of_box(anatomy, Vec3::Ones()));
+    const LabelField field(image, settings.num_regions());
+    SurfaceOptions surface_options;
+    surface_options.edge_length_mm = mesher.edge_length_mm;
+    surface_options.outer_edge_length_mm = mesher.outer_edge_length_mm;
+    const RegionSurface surface =
+        extract_surfaces(image, field, surface_options, nullptr, progress);
+    return make_mesh(surface, image, field, hollow_regions, mesher, &summary, progress);
+}
+
+LabelImage to_labels(const RegionImage& regions, const Settings& settings) {
+    LabelImage labels{regions.grid, std::vector<std::uint16_t>(regions.voxels.size(), 0)};
+    for (std::size_t v = 0; v < regions.voxels.size(); ++v) {
+        const Index organ = regions.voxels[v] - first_organ_region;
+        if (organ >= 0) labels.voxels[v] = static_cast<std::uint16_t>(settings.organs[organ].label);
+    }
+    return labels;
+}
+
+std::vector<Vec3> deformed_nodes(const PelvisPhantom& phantom) {
+    std::vector<Vec3> nodes = phantom.mesh.mesh.nodes;
+    for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n] += phantom.displacement[n];
+    return nodes;
+}
+
+/// Points spread evenly over the volume of the prostate, at least 2 mm below its surface.
+void add_landmarks(PelvisPhantom& phantom, const PelvisAnatomy& anatomy, unsigned seed) {
+    constexpr int num_landmarks = 200;
+    constexpr double depth_mm = 2.0;
+    const Mesh& mesh = phantom.mesh.mesh;
+    std::vector<Index> tets;
+    std::vector<double> volume_up_to;
+    double volume = 0;
+    for (Index t = 0; t < mesh.num_tets(); ++t) {
+        if (mesh.region[t] != prostate_region) continue;
+        tets.push_back(t);
+        volume_up_to.push_back(volume += tet_volume(mesh, t));
+    }
+    RandomNumbers random(0x6c616e64ull * 1000003ull + seed);
+    while (phantom.landmarks.size() < num_landmarks) {
+        const auto at = std::upper_bound(volume_up_to.begin(), volume_up_to.end() - 1,
+                                         random.uniform(0, volume));
+        const Tet& tet = mesh.tets[tets[at - volume_up_to.begin()]];
+        // Exponential weights, scaled to sum one, are uniform barycentric coordinates.
+        Eigen::Vector4d weights;
+        for (double& w : weights) w = -std::log(random.uniform(1e-12, 1));
+        weights /= weights.sum();
+        Vec3 x = Vec3::Zero(), u = Vec3::Zero();
+        for (int c = 0; c < 4; ++c) {
+            x += weights[c] * mesh.nodes[tet[c]];
+            u += weights[c] * phantom.displacement[tet[c]];
+        }
+        if (anatomy.organs[prostate].value(x) > -depth_mm) continue;
+        phantom.landmarks.push_back(x);
+        phantom.landmark_displacements.push_back(u);
+    }
+}
+
+/// Rms distance that the best rigid motion from `x` to `x + u` leaves (Kabsch).
+double shape_change(const std::vector<Vec3>& x, const std::vector<Vec3>& u) {
+    Vec3 centre = Vec3::Zero(), mean = Vec3::Zero();
+    for (std::size_t n = 0; n < x.size(); ++n) {
+        centre += x[n] / double(x.size());
+        mean += u[n] / double(x.size());
+    }
+    Mat3 covariance = Mat3::Zero();
+    for (std::size_t n = 0; n < x.size(); ++n) {
+        covariance += (x[n] + u[n] - centre - mean) * (x[n] - centre).transpose();
+    }
+    const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    const Mat3 rotation = svd.matrixU() * Vec3(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+    double sum = 0;
+    for (std::size_t n = 0; n < x.size(); ++n) {
+        sum += (x[n] + u[n] - centre - mean - rotation * (x[n] - centre)).squaredNorm();
+    }
+    return std::sqrt(sum / double(x.size()));
+}
+
+void describe_prostate(const PelvisPhantom& phantom, PelvisTruth& truth) {
+    const auto on_prostate = nodes_on_region(phantom.mesh, prostate_region);
+    std::vector<Vec3> x, u;
+    for (std::size_t n = 0; n < on_prostate.size(); ++n) {
+        if (!on_prostate[n]) continue;
+        x.push_back(phantom.mesh.mesh.nodes[n]);
+        u.push_back(phantom.displacement[n]);
+        truth.prostate_mean_displacement_mm += u.back().norm();
+    }
+    truth.prostate_mean_displacement_mm /= double(x.size());
+    truth.prostate_shape_change_mm = shape_change(x, u);
+}
+
+void describe_walls(const PelvisPhantom& phantom, const std::vector<WallMotion>& motions,
+                    const std::vector<LinearElastic>& materials, PelvisTruth& truth) {
+    const std::vector<Vec3> forces =
+        nodal_forces(phantom.mesh.mesh, materials, phantom.displacement);
+    for (const WallMotion& motion : motions) {
+        WallTruth wall{phantom.settings.organs[motion.organ()].name,
+                       motion.expansion_mm(),
+                       motion.push_mm(),
+                       motion.tangential_mm(),
+                       motion.shift_mm(),
+                       Vec3::Zero()};
+        const auto on_wall = nodes_on_region(phantom.mesh, first_organ_region + motion.organ());
+        for (std::size_t n = 0; n < forces.size(); ++n) {
+            if (on_wall[n]) wall.resultant_force_mn += forces[n];
+        }
+        truth.walls.push_back(wall);
+    }
+}
+
+}  // namespace
+
+PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
+                          const MesherOptions& mesher, const ProgressSink& progress) {
+    check_options(options);
+    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing);
+    PelvisPhantom phantom;
+    phantom.settings = make_settings(options);
+    const auto materials = make_materials(options, phantom.settings.num_regions());
+
+    phantom.mesh = make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
+    const std::vector<WallMotion> motions = make_wall_motions(anatomy, options.seed);
+    Deformation deformation = deform_by_walls(phantom.mesh, materials, motions, solver, progress);
+    phantom.displacement = std::move(deformation.displacement);
+
+    report_progress(progress, "voxelising", 0);
+    const ImageGrid grid = grid_of_box(anatomy, options.spacing);
+    phantom.reference =
+        to_labels(regions_on_grid(phantom.mesh, phantom.mesh.mesh.nodes, hollow_regions, grid),
+                  phantom.settings);
+    phantom.target =
+        to_labels(regions_on_grid(phantom.mesh, deformed_nodes(phantom), hollow_regions, grid),
+                  phantom.settings);
+    add_landmarks(phantom, anatomy, options.seed);
+
+    PelvisTruth& truth = phantom.truth;
+    truth.load_scale = deformation.load_scale;
+    truth.smallest_jacobian = deformation.smallest_jacobian;
+    truth.solve_residual = deformation.solve.relative_residual;
+    for (const Vec3& u : phantom.displacement) {
+        truth.peak_displacement_mm = std::max(truth.peak_displacement_mm, u.norm());
+    }
+    describe_prostate(phantom, truth);
+    describe_walls(phantom, motions, materials, truth);
+    report_progress(progress, "voxelising", 1);
+    return phantom;
+}
+
+}  // namespace palpate

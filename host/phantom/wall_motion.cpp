@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/phantom/wall_motion.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+WallMotion::WallMotion(const PelvisAnatomy& anatomy, PelvisOrgan organ, RandomNumbers& random)
+    : anatomy_(&anatomy), organ_(organ) {
+    // Most often the organ fills; an organ that empties pulls the prostate along instead.
+    const double sign = random.is_below(0.75) ? 1.0 : -1.0;
+    const OrganShape& shape = anatomy.organs[organ];
+    to_prostate_ = (anatomy.organs[prostate].centre - shape.centre).normalized();
+    expansion_mm_ = sign * random.uniform(3, 5.5);
+    push_mm_ = sign * random.uniform(1.5, 3.5);
+    tangential_mm_ = random.uniform(0.4, 1.0);
+    shift_mm_ = sign * random.uniform(1, 3) * to_prostate_ +
+                random.uniform(-1.5, 1.5) * Vec3::UnitX() +
+                random.uniform(-1, 1) * to_prostate_.cross(Vec3::UnitX()).normalized();
+    variation_ = SmoothField(random, 35, 70);
+    for (SmoothField& field : tangential_) field = SmoothField(random, 40, 80);
+}
+
+double WallMotion::normal_part(const Vec3& x, const Vec3& normal) const {
+    constexpr double range_mm = 10;  // closer to a wall that does not give way, the motion is less
+    const double facing = std::max(0.0, normal.dot(to_prostate_));
+    double room = 1;
+    for (Index other = 0; other < num_pelvis_organs; ++other) {
+        if (other == organ_ || other == prostate) continue;
+        const double distance = std::max(0.0, anatomy_->organs[other].value(x));
+        room *= 1 - 0.8 * std::exp(-std::pow(distance / range_mm, 2));
+    }
+    return room * (expansion_mm_ * (1 + 0.3 * variation_(x)) + push_mm_ * facing * facing);
+}
+
+Vec3 WallMotion::displacement(const Vec3& x) const {
+    const Vec3 n = anatomy_->organs[organ_].normal(x);
+    const Vec3 t = tangential_mm_ * Vec3(tangential_[0](x), tangential_[1](x), tangential_[2](x));
+    return normal_part(x, n) * n + shift_mm_ + (t - t.dot(n) * n);
+}
+
+std::vector<WallMotion> make_wall_motions(const PelvisAnatomy& anatomy, unsigned seed) {
+    RandomNumbers random(0x6c6f6164ull * 1000003ull + seed);
+    return {WallMotion(anatomy, bladder, random), WallMotion(anatomy, rectum, random)};
+}
+
+}  // namespace palpate

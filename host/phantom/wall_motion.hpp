@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "host/phantom/anatomy.hpp"
+
+namespace palpate {
+
+/// How the wall of one hollow organ moves: w = a(x) n(x) + shift + the tangential part of t(x),
+/// with
+///   a = (expansion (1 + 0.3 s(x)) + push max(0, n . e)^2) * (less close to other walls), mm,
+/// s and t smooth random fields, n the outward normal and e the direction to the prostate.
+class WallMotion {
+public:
+    WallMotion(const PelvisAnatomy& anatomy, PelvisOrgan organ, RandomNumbers& random);
+
+    /// Displacement (mm, LPS) of a point of the wall.
+    Vec3 displacement(const Vec3& x) const;
+
+    PelvisOrgan organ() const { return organ_; }
+    double expansion_mm() const { return expansion_mm_; }
+    double push_mm() const { return push_mm_; }
+    double tangential_mm() const { return tangential_mm_; }
+    const Vec3& shift_mm() const { return shift_mm_; }
+
+private:
+    double normal_part(const Vec3& x, const Vec3& normal) const;
+
+    const PelvisAnatomy* anatomy_;  ///< outlives this object
+    PelvisOrgan organ_;
+    double expansion_mm_, push_mm_, tangential_mm_;
+    Vec3 shift_mm_;
+    Vec3 to_prostate_;  ///< unit vector
+    SmoothField variation_;
+    std::array<SmoothField, 3> tangential_;
+};
+
+/// The motions of bladder and rectum that belong to a seed.
+std::vector<WallMotion> make_wall_motions(const PelvisAnatomy& anatomy, unsigned seed);
+
+}  // namespace palpate
