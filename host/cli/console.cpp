@@ -31,7 +31,7 @@ std::size_t terminal_width() {
 std::string bar(double fraction) {
     constexpr int width = 20;
     const int filled = static_cast<int>(width * std::clamp(fraction, 0.0, 1.0));
-    return "[" + std::string(filled, '=') + std::string(width - filled, ' ') + "]";
+    return fmt::format("[{:<{}}]", std::string(filled, '='), width);
 }
 
 struct Console {
