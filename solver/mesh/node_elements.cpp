@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-Adjacency node_corners(const Mesh& mesh) {
+Adjacency corners_of_nodes(const Mesh& mesh) {
     Adjacency corners;
     corners.offsets.assign(mesh.num_nodes() + 1, 0);
     for (const Tet& tet : mesh.tets)
@@ -21,7 +21,7 @@ Adjacency node_corners(const Mesh& mesh) {
 }
 
 Adjacency node_graph(const Mesh& mesh) {
-    const Adjacency corners = node_corners(mesh);
+    const Adjacency corners = corners_of_nodes(mesh);
     Adjacency graph;
     graph.offsets.assign(1, 0);
     graph.offsets.reserve(mesh.nodes.size() + 1);

@@ -19,7 +19,7 @@ struct Adjacency {
 
 /// For every node the tet corners that sit on it, each as 4 tet + corner, ascending. Element loops
 /// write [num_tets, 4, 3] values; summing these lists gathers them to nodes in a fixed order.
-Adjacency node_corners(const Mesh& mesh);
+Adjacency corners_of_nodes(const Mesh& mesh);
 
 /// For every node itself and the nodes that share a tet with it, ascending: the pattern of the
 /// 3x3 block CSR stiffness. A node of no tet has only itself.

@@ -44,7 +44,7 @@ void add_corner(const Model& model, const Tet4& geometry, Index t, int a, Stiffn
 StiffnessMatrix assemble_stiffness(const Model& model) {
     StiffnessMatrix matrix{node_graph(model.mesh), {}};
     matrix.blocks.assign(9 * matrix.graph.items.size(), 0.0);
-    const Adjacency corners = node_corners(model.mesh);
+    const Adjacency corners = corners_of_nodes(model.mesh);
     const std::vector<Tet4> geometry = all_geometry(model.mesh);
     parallel_ranges(matrix.num_nodes(), nodes_per_thread, [&](Index begin, Index end) {
         for (Index k = corners.offsets[begin]; k < corners.offsets[end]; ++k) {

@@ -9,11 +9,13 @@
 
 #include "solver/base/error.hpp"
 #include "tests/fixtures/backends.hpp"
+#include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate {
 namespace {
 
+using fixtures::code_of;
 using fixtures::free_model;
 using fixtures::interface_nodes;
 using fixtures::select_nodes;
@@ -164,15 +166,6 @@ TEST(CondenseReference, LeavesOutRegionsWithoutObservedNodes) {
     ASSERT_EQ(regions.size(), 2u);
     EXPECT_EQ(regions[0].region, 0);
     EXPECT_EQ(regions[1].region, 1);
-}
-
-ErrorCode code_of(const std::function<void()>& call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.code();
-    }
-    return ErrorCode::internal;
 }
 
 TEST(CondenseReference, RefusesAFloatingPart) {
