@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "solver/backends/opencl/opencl_backend.hpp"
+
+// For pocl_cache_test.cpp, as the folder belongs to a process: prints where PoCL keeps its kernels.
+int main() {
+    palpate::opencl_devices();
+    const char* folder = std::getenv("POCL_CACHE_DIR");
+    if (!folder || !std::filesystem::is_directory(folder)) return 1;
+    std::puts(folder);
+    return 0;
+}
