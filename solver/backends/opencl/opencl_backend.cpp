@@ -115,9 +115,7 @@ DeviceModel& OpenclBackend::model_for(const DeviceVector& x, const DeviceVector&
 }
 
 void OpenclBackend::prepare(const Model& model) {
-    if (model.mesh.region.size() != model.mesh.tets.size() ||
-        model.prescribed.size() != static_cast<std::size_t>(model.num_dofs()))
-        refuse("The model needs one region per tet and one prescribed flag per dof.");
+    check_model(model);
     guarded("prepare the model", [&] {
         model_.reset();
         model_.emplace(session_, model, product_);
