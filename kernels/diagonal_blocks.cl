@@ -5,13 +5,10 @@
 // (block-Jacobi). One work item: one node, which alone writes the node's block or rows.
 //   inverse_blocks  [num_nodes, 9] mm/mN, symmetric
 // Other buffers as in stiffness_blocks.cl.
-PALPATE_KERNEL void invert_diagonal_blocks(global const int* region, global const real* geometry,
-                                           global const real* unit_moduli,
-                                           global const real* stiffness,
-                                           global const uchar* prescribed,
-                                           global const int* node_start,
-                                           global const int* node_corners,
-                                           global real* inverse_blocks, int num_nodes) {
+PALPATE_KERNEL void invert_diagonal_blocks(
+    global const int* region, global const real* geometry, global const real* unit_moduli,
+    global const real* stiffness, global const uchar* prescribed, global const int* node_start,
+    global const int* node_corners, global real* inverse_blocks, int num_nodes) {
     const size_t node = get_global_id(1);
     if (node >= (size_t)num_nodes) return;
 
@@ -27,12 +24,15 @@ PALPATE_KERNEL void invert_diagonal_blocks(global const int* region, global cons
 
     wide constrained[9];
     wide inverse[9];
+#pragma unroll
     for (int i = 0; i < 3; ++i)
+#pragma unroll
         for (int j = 0; j < 3; ++j) {
             const bool given = prescribed[3 * node + i] || prescribed[3 * node + j];
             constrained[3 * i + j] = given ? (wide)(i == j) : (wide)block[3 * i + j];
         }
     invert_symmetric(constrained, inverse);
+#pragma unroll
     for (int i = 0; i < 9; ++i) inverse_blocks[9 * node + i] = (real)inverse[i];
 }
 
