@@ -246,7 +246,7 @@ void OpenclBackend::apply_stiffness(const DeviceVector& x, DeviceVector& y) {
 void OpenclBackend::apply_block_jacobi(const DeviceVector& r, DeviceVector& z) {
     DeviceModel& model = model_for(r, z);
     guarded("apply block-Jacobi",
-            [&] { model.apply_diagonal_blocks(buffer_of(r), buffer_of(z), r.columns()); });
+            [&] { model.apply_block_jacobi(buffer_of(r), buffer_of(z), r.columns()); });
 }
 
 void OpenclBackend::strain_energy(const DeviceVector& x, std::span<double> energy) {

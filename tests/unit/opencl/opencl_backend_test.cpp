@@ -278,5 +278,17 @@ TEST_P(OpenclBackendTest, TooLargeVectorSaysThatMemoryRanOut) {
     }
 }
 
+TEST(OpenclVectorTest, FreshVectorIsNanInDebugBuilds) {
+#ifdef NDEBUG
+    GTEST_SKIP() << "This is not a debug build.";
+#endif
+    if (opencl_devices().empty()) GTEST_SKIP() << "This machine has no OpenCL device.";
+    const auto backend = make_opencl_backend({});
+
+    const auto fresh = backend->make_vector(7, 5);
+
+    EXPECT_TRUE(out_of(*backend, *fresh).array().isNaN().all());
+}
+
 }  // namespace
 }  // namespace palpate
