@@ -93,8 +93,8 @@ void silence() {
 int wait_for(pid_t child, int seconds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
     int status = 0;
-    for (auto pause = std::chrono::microseconds(200);; pause = std::min(pause * 2,
-                                                        std::chrono::microseconds(10000))) {
+    for (auto pause = std::chrono::microseconds(200);;
+         pause = std::min(pause * 2, std::chrono::microseconds(10000))) {
         const pid_t ended = waitpid(child, &status, WNOHANG);
         if (ended == child) return status;
         if (ended < 0 && errno != EINTR) return -1;
@@ -112,8 +112,10 @@ std::string cause_of(int status) {
 
 }  // namespace
 
-SharedMemory::SharedMemory(std::size_t num_bytes) : num_bytes_(std::max<std::size_t>(num_bytes, 1)) {
-    void* memory = mmap(nullptr, num_bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+SharedMemory::SharedMemory(std::size_t num_bytes)
+    : num_bytes_(std::max<std::size_t>(num_bytes, 1)) {
+    void* memory =
+        mmap(nullptr, num_bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) {
         throw Error(ErrorCode::out_of_memory,
                     "no memory for " + std::to_string(num_bytes_) + " bytes of image");
@@ -131,10 +133,14 @@ void run_in_child(const std::function<void()>& work, const ChildLimits& limits) 
     if (child == 0) be_child(work, limits, report);
     const int status = wait_for(child, 2 * limits.seconds);
     switch (report.state) {
-        case Report::State::done: return;
-        case Report::State::error: throw Error(report.code, report.message);
-        case Report::State::failed: throw Error(ErrorCode::input_unreadable, report.message);
-        case Report::State::silent: break;
+        case Report::State::done:
+            return;
+        case Report::State::error:
+            throw Error(report.code, report.message);
+        case Report::State::failed:
+            throw Error(ErrorCode::input_unreadable, report.message);
+        case Report::State::silent:
+            break;
     }
     throw Error(ErrorCode::input_unreadable, cause_of(status));
 }

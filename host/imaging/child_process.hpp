@@ -22,8 +22,9 @@ private:
 };
 
 struct ChildLimits {
-    std::size_t memory_bytes = std::size_t(1) << 30;  ///< beyond what the process has mapped already
-    int seconds = 60;                                 ///< processor time, and twice that by the clock
+    std::size_t memory_bytes = std::size_t(1)
+                               << 30;  ///< beyond what the process has mapped already
+    int seconds = 60;                  ///< processor time, and twice that by the clock
 };
 
 /// Runs `work` in a forked child, silenced and under limits, and waits for it: for code that may

@@ -57,9 +57,9 @@ void write_atomically(const std::filesystem::path& path,
             ours && ours->code() == ErrorCode::unsupported) {
             throw;
         }
-        throw Error(ErrorCode::output_failed,
-                    "cannot write '" + path.string() + "': " + failure.what() +
-                        "; check that the folder exists and has space");
+        throw Error(ErrorCode::output_failed, "cannot write '" + path.string() +
+                                                  "': " + failure.what() +
+                                                  "; check that the folder exists and has space");
     }
 }
 

@@ -25,7 +25,8 @@ public:
     Inflater(const Inflater&) = delete;
     Inflater& operator=(const Inflater&) = delete;
 
-    /// Appends the next piece; false at the end of the last member, whose checksum zlib has compared.
+    /// Appends the next piece; false at the end of the last member, whose checksum zlib has
+    /// compared.
     bool next(std::vector<std::uint8_t>& out) {
         if (stream_.avail_in == 0 && !left_.empty()) {
             const std::size_t count = std::min<std::size_t>(left_.size(), 1u << 30);

@@ -30,7 +30,8 @@ CheckedVolume checked(const std::filesystem::path& path) {
     }
     std::vector<std::uint8_t> bytes = detail::load(path);
     switch (*format) {
-        case VolumeFormat::nifti: return detail::preflight_nifti(std::move(bytes));
+        case VolumeFormat::nifti:
+            return detail::preflight_nifti(std::move(bytes));
         case VolumeFormat::nrrd:
             return detail::preflight_nrrd(std::move(bytes), path.parent_path(),
                                           ends_with(path, ".nhdr"));
@@ -127,7 +128,8 @@ std::vector<long long> whole_numbers(const std::string& text) {
     std::istringstream in(text);
     std::vector<long long> numbers;
     for (long long number; in >> number;) numbers.push_back(number);
-    if (!in.eof() || numbers.size() > 16) unreadable("its header has a bad number: " + text.substr(0, 60));
+    if (!in.eof() || numbers.size() > 16)
+        unreadable("its header has a bad number: " + text.substr(0, 60));
     return numbers;
 }
 

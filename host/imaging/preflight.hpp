@@ -15,9 +15,9 @@ namespace palpate {
 
 enum class VolumeFormat { nifti, nrrd, meta };
 
-/// A volume file that was checked byte by byte, ready for the decoder. The decoder gets these copies
-/// and not the original files: ITK would accept damaged ones and, beside A.nii, read that instead
-/// of A.nii.gz.
+/// A volume file that was checked byte by byte, ready for the decoder. The decoder gets these
+/// copies and not the original files: ITK would accept damaged ones and, beside A.nii, read that
+/// instead of A.nii.gz.
 struct CheckedVolume {
     struct File {
         std::filesystem::path name;  ///< relative; the first file is the one to open
@@ -25,7 +25,7 @@ struct CheckedVolume {
     };
     VolumeFormat format = VolumeFormat::nifti;
     std::array<Index, 3> size{0, 0, 0};
-    std::optional<ImageGrid> grid;   ///< if given, it holds and not the decoder's (NIfTI)
+    std::optional<ImageGrid> grid;  ///< if given, it holds and not the decoder's (NIfTI)
     std::vector<File> files;
 };
 

@@ -12,7 +12,8 @@ using Fields = std::map<std::string, std::string>;
 
 /// The "Name = value" lines up to ElementDataFile; `end` receives where data inside the file begin.
 Fields fields_of(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
-    const std::string text(bytes.begin(), bytes.begin() + std::min<std::size_t>(bytes.size(), 1 << 16));
+    const std::string text(bytes.begin(),
+                           bytes.begin() + std::min<std::size_t>(bytes.size(), 1 << 16));
     Fields fields;
     std::size_t begin = 0;
     while (begin < text.size()) {
@@ -40,12 +41,14 @@ std::string optional(const Fields& fields, const std::string& name) {
     return found == fields.end() ? "" : found->second;
 }
 
-bool is_true(const std::string& text) { return !text.empty() && (text[0] == 'T' || text[0] == 't' || text[0] == '1'); }
+bool is_true(const std::string& text) {
+    return !text.empty() && (text[0] == 'T' || text[0] == 't' || text[0] == '1');
+}
 
 std::size_t voxel_bytes(const std::string& type) {
     static const std::map<std::string, std::size_t> bytes_of{
-        {"MET_CHAR", 1}, {"MET_UCHAR", 1}, {"MET_SHORT", 2},     {"MET_USHORT", 2},
-        {"MET_INT", 4},  {"MET_UINT", 4},  {"MET_LONG", 4},      {"MET_ULONG", 4},
+        {"MET_CHAR", 1},  {"MET_UCHAR", 1},  {"MET_SHORT", 2},     {"MET_USHORT", 2},
+        {"MET_INT", 4},   {"MET_UINT", 4},   {"MET_LONG", 4},      {"MET_ULONG", 4},
         {"MET_FLOAT", 4}, {"MET_DOUBLE", 8}, {"MET_LONG_LONG", 8}, {"MET_ULONG_LONG", 8}};
     const auto found = bytes_of.find(type);
     if (found == bytes_of.end()) {
@@ -62,8 +65,8 @@ void check_fields(const Fields& fields) {
         }
     };
     for (const char* name : {"TransformMatrix", "Rotation", "Orientation"}) expect_numbers(name, 9);
-    for (const char* name : {"Offset", "Position", "Origin", "ElementSpacing", "ElementSize",
-                             "CenterOfRotation"}) {
+    for (const char* name :
+         {"Offset", "Position", "Origin", "ElementSpacing", "ElementSize", "CenterOfRotation"}) {
         expect_numbers(name, 3);
     }
     const std::string object = optional(fields, "ObjectType");

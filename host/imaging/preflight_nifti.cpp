@@ -95,8 +95,8 @@ std::array<Index, 3> checked_size(const Header& header) {
 }
 
 std::size_t checked_voxel_bytes(const Header& header) {
-    static const std::map<int, std::size_t> bytes_of{{2, 1},  {4, 2},   {8, 4},   {16, 4},
-                                                     {64, 8}, {256, 1}, {512, 2}, {768, 4},
+    static const std::map<int, std::size_t> bytes_of{{2, 1},    {4, 2},   {8, 4},   {16, 4},
+                                                     {64, 8},   {256, 1}, {512, 2}, {768, 4},
                                                      {1024, 8}, {1280, 8}};
     const auto found = bytes_of.find(header.datatype());
     if (found == bytes_of.end()) {
@@ -113,7 +113,9 @@ void check_unit(const Header& header) {
     const int unit = header.length_unit();
     if (unit != 0 && unit != 2) {
         unusable(std::string("its lengths are in ") +
-                 (unit == 1 ? "metres" : unit == 3 ? "micrometres" : "an unknown unit") +
+                 (unit == 1   ? "metres"
+                  : unit == 3 ? "micrometres"
+                              : "an unknown unit") +
                  "; only mm are accepted");
     }
 }
@@ -193,8 +195,7 @@ std::vector<std::uint8_t> clean_header(const Header& original, const std::array<
 
 CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes) {
     const bool compressed = is_gzip(bytes);
-    const Header header =
-        header_of(compressed ? inflated_start(bytes, header_bytes) : bytes);
+    const Header header = header_of(compressed ? inflated_start(bytes, header_bytes) : bytes);
     CheckedVolume volume;
     volume.format = VolumeFormat::nifti;
     volume.size = checked_size(header);

@@ -13,7 +13,8 @@ using Fields = std::map<std::string, std::string>;
 
 /// The "field: value" lines up to the first blank line; `end` receives where the data begin.
 Fields fields_of(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
-    const std::string text(bytes.begin(), bytes.begin() + std::min<std::size_t>(bytes.size(), 1 << 20));
+    const std::string text(bytes.begin(),
+                           bytes.begin() + std::min<std::size_t>(bytes.size(), 1 << 20));
     if (text.rfind("NRRD000", 0) != 0) unreadable("it is not an NRRD file");
     Fields fields;
     std::size_t begin = text.find('\n');
@@ -29,7 +30,8 @@ Fields fields_of(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
         const std::size_t colon = line.find(": ");
         if (line[0] != '#' && colon != std::string::npos && line.find(":=") > colon) {
             const bool is_new =
-                fields.emplace(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 2))).second;
+                fields.emplace(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 2)))
+                    .second;
             if (!is_new) unreadable("its header has a field twice: " + line.substr(0, 40));
         }
         begin = line_end;
@@ -52,21 +54,26 @@ std::string optional(const Fields& fields, const std::string& name, const std::s
 std::size_t voxel_bytes(const std::string& type) {
     static const std::map<std::string, std::size_t> bytes_of = [] {
         std::map<std::string, std::size_t> result;
-        for (const char* name : {"signed char", "int8", "int8_t", "uchar", "unsigned char", "uint8",
-                                 "uint8_t"}) result[name] = 1;
-        for (const char* name : {"short", "short int", "signed short", "signed short int", "int16",
-                                 "int16_t", "ushort", "unsigned short", "unsigned short int",
-                                 "uint16", "uint16_t"}) result[name] = 2;
+        for (const char* name :
+             {"signed char", "int8", "int8_t", "uchar", "unsigned char", "uint8", "uint8_t"})
+            result[name] = 1;
+        for (const char* name :
+             {"short", "short int", "signed short", "signed short int", "int16", "int16_t",
+              "ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"})
+            result[name] = 2;
         for (const char* name : {"int", "signed int", "int32", "int32_t", "uint", "unsigned int",
-                                 "uint32", "uint32_t", "float"}) result[name] = 4;
-        for (const char* name : {"longlong", "long long", "long long int", "signed long long",
-                                 "signed long long int", "int64", "int64_t", "ulonglong",
-                                 "unsigned long long", "unsigned long long int", "uint64",
-                                 "uint64_t", "double"}) result[name] = 8;
+                                 "uint32", "uint32_t", "float"})
+            result[name] = 4;
+        for (const char* name :
+             {"longlong", "long long", "long long int", "signed long long", "signed long long int",
+              "int64", "int64_t", "ulonglong", "unsigned long long", "unsigned long long int",
+              "uint64", "uint64_t", "double"})
+            result[name] = 8;
         return result;
     }();
     const auto found = bytes_of.find(type);
-    if (found == bytes_of.end()) unusable("its voxels are of type '" + type + "', not plain numbers");
+    if (found == bytes_of.end())
+        unusable("its voxels are of type '" + type + "', not plain numbers");
     return found->second;
 }
 
@@ -86,8 +93,9 @@ void check_space(const Fields& fields) {
     }
     for (const char* name : {"space directions", "space origin", "spacings"}) {
         std::string numbers = optional(fields, name);
-        std::replace_if(numbers.begin(), numbers.end(),
-                        [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+        std::replace_if(
+            numbers.begin(), numbers.end(), [](char c) { return c == '(' || c == ')' || c == ','; },
+            ' ');
         const std::size_t count = finite_numbers(numbers).size();
         const std::size_t wanted = std::string(name) == "space directions" ? 9 : 3;
         if (!numbers.empty() && count != wanted) {

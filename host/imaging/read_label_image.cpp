@@ -28,9 +28,12 @@ struct Geometry {
 
 itk::ImageIOBase::Pointer make_decoder(VolumeFormat format) {
     switch (format) {
-        case VolumeFormat::nifti: return itk::NiftiImageIO::New().GetPointer();
-        case VolumeFormat::nrrd: return itk::NrrdImageIO::New().GetPointer();
-        case VolumeFormat::meta: return itk::MetaImageIO::New().GetPointer();
+        case VolumeFormat::nifti:
+            return itk::NiftiImageIO::New().GetPointer();
+        case VolumeFormat::nrrd:
+            return itk::NrrdImageIO::New().GetPointer();
+        case VolumeFormat::meta:
+            return itk::MetaImageIO::New().GetPointer();
     }
     throw Error(ErrorCode::internal, "a volume format without a decoder");
 }
@@ -53,19 +56,32 @@ void convert(const std::byte* raw, std::size_t count, Label* labels) {
 void convert(itk::IOComponentEnum type, const std::byte* raw, std::size_t count, Label* labels) {
     using Type = itk::IOComponentEnum;
     switch (type) {
-        case Type::UCHAR: return convert<unsigned char>(raw, count, labels);
-        case Type::CHAR: return convert<signed char>(raw, count, labels);
-        case Type::USHORT: return convert<unsigned short>(raw, count, labels);
-        case Type::SHORT: return convert<short>(raw, count, labels);
-        case Type::UINT: return convert<unsigned>(raw, count, labels);
-        case Type::INT: return convert<int>(raw, count, labels);
-        case Type::ULONG: return convert<unsigned long>(raw, count, labels);
-        case Type::LONG: return convert<long>(raw, count, labels);
-        case Type::ULONGLONG: return convert<unsigned long long>(raw, count, labels);
-        case Type::LONGLONG: return convert<long long>(raw, count, labels);
-        case Type::FLOAT: return convert<float>(raw, count, labels);
-        case Type::DOUBLE: return convert<double>(raw, count, labels);
-        default: detail::unusable("its voxels are not plain numbers");
+        case Type::UCHAR:
+            return convert<unsigned char>(raw, count, labels);
+        case Type::CHAR:
+            return convert<signed char>(raw, count, labels);
+        case Type::USHORT:
+            return convert<unsigned short>(raw, count, labels);
+        case Type::SHORT:
+            return convert<short>(raw, count, labels);
+        case Type::UINT:
+            return convert<unsigned>(raw, count, labels);
+        case Type::INT:
+            return convert<int>(raw, count, labels);
+        case Type::ULONG:
+            return convert<unsigned long>(raw, count, labels);
+        case Type::LONG:
+            return convert<long>(raw, count, labels);
+        case Type::ULONGLONG:
+            return convert<unsigned long long>(raw, count, labels);
+        case Type::LONGLONG:
+            return convert<long long>(raw, count, labels);
+        case Type::FLOAT:
+            return convert<float>(raw, count, labels);
+        case Type::DOUBLE:
+            return convert<double>(raw, count, labels);
+        default:
+            detail::unusable("its voxels are not plain numbers");
     }
 }
 

@@ -88,7 +88,8 @@ RigidTransform read_rigid_transform(const std::filesystem::path& path) {
             throw Error(ErrorCode::input_unreadable, "there is no such file");
         }
         if (!has_known_ending(path)) {
-            throw Error(ErrorCode::input_unreadable, "its format is unknown; use .tfm, .txt or .h5");
+            throw Error(ErrorCode::input_unreadable,
+                        "its format is unknown; use .tfm, .txt or .h5");
         }
         const SharedMemory memory(12 * sizeof(double));
         auto* numbers = reinterpret_cast<double*>(memory.data());

@@ -19,13 +19,16 @@ itk::ImageIOBase::Pointer make_encoder(const std::filesystem::path& path) {
     const auto format = format_of(path);
     const std::string ending = path.extension().string();
     if (!format || ending == ".mhd" || ending == ".nhdr") {
-        throw Error(ErrorCode::unsupported, "cannot write '" + path.string() +
-                                                "': use .nii, .nii.gz, .nrrd or .mha");
+        throw Error(ErrorCode::unsupported,
+                    "cannot write '" + path.string() + "': use .nii, .nii.gz, .nrrd or .mha");
     }
     switch (*format) {
-        case VolumeFormat::nifti: return itk::NiftiImageIO::New().GetPointer();
-        case VolumeFormat::nrrd: return itk::NrrdImageIO::New().GetPointer();
-        case VolumeFormat::meta: return itk::MetaImageIO::New().GetPointer();
+        case VolumeFormat::nifti:
+            return itk::NiftiImageIO::New().GetPointer();
+        case VolumeFormat::nrrd:
+            return itk::NrrdImageIO::New().GetPointer();
+        case VolumeFormat::meta:
+            return itk::MetaImageIO::New().GetPointer();
     }
     throw Error(ErrorCode::internal, "a volume format without an encoder");
 }
@@ -47,9 +50,12 @@ void describe(itk::ImageIOBase& encoder, const ImageGrid& grid) {
 
 template <typename T>
 itk::IOComponentEnum component_type() {
-    if constexpr (std::is_same_v<T, std::uint8_t>) return itk::IOComponentEnum::UCHAR;
-    else if constexpr (std::is_same_v<T, std::uint16_t>) return itk::IOComponentEnum::USHORT;
-    else return itk::IOComponentEnum::FLOAT;
+    if constexpr (std::is_same_v<T, std::uint8_t>)
+        return itk::IOComponentEnum::UCHAR;
+    else if constexpr (std::is_same_v<T, std::uint16_t>)
+        return itk::IOComponentEnum::USHORT;
+    else
+        return itk::IOComponentEnum::FLOAT;
 }
 
 template <typename T>
@@ -63,7 +69,8 @@ void write_volume(const std::filesystem::path& path, const ImageGrid& grid,
     const itk::ImageIOBase::Pointer encoder = make_encoder(path);
     describe(*encoder, grid);
     encoder->SetNumberOfComponents(num_components);
-    encoder->SetPixelType(num_components == 1 ? itk::IOPixelEnum::SCALAR : itk::IOPixelEnum::VECTOR);
+    encoder->SetPixelType(num_components == 1 ? itk::IOPixelEnum::SCALAR
+                                              : itk::IOPixelEnum::VECTOR);
     encoder->SetComponentType(component_type<T>());
     encoder->SetUseCompression(true);
     write_atomically(path, [&](const std::filesystem::path& temporary) {

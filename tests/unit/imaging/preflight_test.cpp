@@ -260,14 +260,17 @@ TEST(Preflight, RefusesDetachedDataOutsideTheFolder) {
     std::filesystem::create_symlink(folder / "out.raw", folder / "in/link.raw");
     const std::string absolute = (folder / "out.raw").string();
 
-    for (const std::string& name :
-         {std::string("../out.raw"), absolute, std::string("./../in/../out.raw"),
-          std::string("link.raw")}) {
+    for (const std::string& name : {std::string("../out.raw"), absolute,
+                                    std::string("./../in/../out.raw"), std::string("link.raw")}) {
         SCOPED_TRACE(name);
-        save(folder / "in/a.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 3 2\n"
-                                   "encoding: raw\ndata file: " + name + "\n");
-        save(folder / "in/a.mhd", "NDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\n"
-                                  "ElementDataFile = " + name + "\n");
+        save(folder / "in/a.nhdr",
+             "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 3 2\n"
+             "encoding: raw\ndata file: " +
+                 name + "\n");
+        save(folder / "in/a.mhd",
+             "NDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\n"
+             "ElementDataFile = " +
+                 name + "\n");
 
         expect_refused(folder / "in/a.nhdr", unreadable, "outside");
         expect_refused(folder / "in/a.mhd", unreadable, "outside");

@@ -148,8 +148,9 @@ TEST(ReadLabelImage, TurnsTheSpaceOfNrrdIntoLps) {
     for (const char* space : {"right-anterior-superior", "left-posterior-superior"}) {
         std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nspace: ";
         text += space;
-        text += "\nsizes: 4 3 2\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nkinds: domain domain "
-                "domain\nendian: little\nencoding: raw\nspace origin: (10,-20,30)\n\n";
+        text +=
+            "\nsizes: 4 3 2\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nkinds: domain domain "
+            "domain\nendian: little\nencoding: raw\nspace origin: (10,-20,30)\n\n";
         for (char n = 0; n < 24; ++n) text += n;
         save(folder / "a.nrrd", text);
 
@@ -157,8 +158,8 @@ TEST(ReadLabelImage, TurnsTheSpaceOfNrrdIntoLps) {
 
         const double sign = space[0] == 'r' ? -1 : 1;
         EXPECT_TRUE(image.grid.origin.isApprox(Vec3(10 * sign, -20 * sign, 30))) << space;
-        EXPECT_TRUE(image.grid.direction.isApprox(
-            Vec3(sign, sign, 1).asDiagonal().toDenseMatrix())) << space;
+        EXPECT_TRUE(image.grid.direction.isApprox(Vec3(sign, sign, 1).asDiagonal().toDenseMatrix()))
+            << space;
         EXPECT_EQ(image.at(1, 2, 1), 1 + 4 * (2 + 3 * 1));
     }
 }

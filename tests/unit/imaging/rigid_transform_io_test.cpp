@@ -33,8 +33,8 @@ TEST(RigidTransform, GivesBackWhatWasWritten) {
 TEST(RigidTransform, TakesPointsTheWayItkDoes) {
     // ITK: y = R (x - c) + c + t. A quarter turn about z round c = (1, 0, 0), then t = (0, 0, 5).
     const ScratchFolder folder;
-    save(folder / "euler.tfm", transform_file("Euler3DTransform_double_3_3",
-                                              "0 0 1.5707963267948966 0 0 5", "1 0 0 0"));
+    save(folder / "euler.tfm",
+         transform_file("Euler3DTransform_double_3_3", "0 0 1.5707963267948966 0 0 5", "1 0 0 0"));
 
     const RigidTransform t = read_rigid_transform(folder / "euler.tfm");
 
@@ -50,9 +50,12 @@ TEST(RigidTransform, AcceptsTranslationsVersorsAndRotatingAffines) {
     save(folder / "c.tfm", transform_file("VersorRigid3DTransform_double_3_3",
                                           "0 0 0.7071067811865476 4 5 6", "0 0 0"));
 
-    EXPECT_TRUE(read_rigid_transform(folder / "a.tfm").apply(Vec3(1, 1, 1)).isApprox(Vec3(2, 3, 4)));
-    EXPECT_TRUE(read_rigid_transform(folder / "b.tfm").apply(Vec3(1, 0, 0)).isApprox(Vec3(4, 6, 6)));
-    EXPECT_TRUE(read_rigid_transform(folder / "c.tfm").apply(Vec3(1, 0, 0)).isApprox(Vec3(4, 6, 6)));
+    EXPECT_TRUE(
+        read_rigid_transform(folder / "a.tfm").apply(Vec3(1, 1, 1)).isApprox(Vec3(2, 3, 4)));
+    EXPECT_TRUE(
+        read_rigid_transform(folder / "b.tfm").apply(Vec3(1, 0, 0)).isApprox(Vec3(4, 6, 6)));
+    EXPECT_TRUE(
+        read_rigid_transform(folder / "c.tfm").apply(Vec3(1, 0, 0)).isApprox(Vec3(4, 6, 6)));
 }
 
 TEST(RigidTransform, RefusesWhatIsNotRigid) {

@@ -55,7 +55,8 @@ TEST(WriteVectorImage, LiesWhereItsGridSays) {
         Vec3 ras;
         for (int r = 0; r < 3; ++r) {
             ras[r] = get<float>(bytes, 280 + 16 * r + 12);
-            for (int c = 0; c < 3; ++c) ras[r] += get<float>(bytes, 280 + 16 * r + 4 * c) * index[c];
+            for (int c = 0; c < 3; ++c)
+                ras[r] += get<float>(bytes, 280 + 16 * r + 4 * c) * index[c];
         }
         const Vec3 lps(-ras[0], -ras[1], ras[2]);
         EXPECT_LT((lps - image.grid.to_point(index)).norm(), 1e-4);
