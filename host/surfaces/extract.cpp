@@ -51,6 +51,19 @@ void check_sizes(const std::vector<double>& volumes, double edge_length_mm) {
                                     r, volumes[r], edge_length_mm, smallest));
 }
 
+void check_all_left(const LabelLattice& lattice, const std::vector<double>& volumes,
+                    double edge_length_mm) {
+    std::vector<double> sampled(volumes.size(), 0.0);
+    for (std::uint8_t label : lattice.labels) sampled[label] += lattice.spacing.prod();
+    for (std::size_t r = first_organ_region; r < volumes.size(); ++r)
+        if (sampled[r] < 0.5 * volumes[r])
+            throw Error(ErrorCode::input_unusable,
+                        fmt::format("Region {} is too thin for an edge length of {} mm: most of it "
+                                    "lies in parts thinner than that; use a smaller edge length or "
+                                    "leave the organ out.",
+                                    r, edge_length_mm));
+}
+
 struct Attempt {
     double cell_share;  ///< lattice cell / edge length
     int rounds;         ///< of remeshing
@@ -65,12 +78,17 @@ SurfaceComplex make_complex(const RegionImage& image, const LabelField& field,
     remove_thin_parts(lattice, image.grid, field);
     remove_specks(lattice, 4 * std::pow(edge, 3));
     make_well_composed(lattice, image.grid, field);
+    check_all_left(lattice, volumes, edge);
     SurfaceComplex complex = boundary_of(lattice);
     Interfaces interfaces(field, image.grid);
     relax_staircase(complex, interfaces, 0.5 * lattice.spacing, 6);
     const SizeField size(lattice, edge, options.outer_edge_length_mm);
     remesh(complex, interfaces, size, attempt.rounds);
-    match_volumes(complex, interfaces, volumes, 4);
+    for (int round = 0; round < 3; ++round) {
+        match_volumes(complex, interfaces, volumes, 2);
+        polish(complex, interfaces, size);
+    }
+    match_volumes(complex, interfaces, volumes, 2);
     untangle(complex, 12);
     return complex;
 }

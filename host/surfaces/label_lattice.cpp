@@ -98,9 +98,8 @@ struct Switch {
 };
 
 // The switch of one cell of the block at corner (i, j, k) that removes most bad blocks; among
-// equals the one where the field objects least. `pick` shuffles the costs when progress stalls.
-Switch best_switch(LabelLattice& lattice, const Interfaces& interfaces, Index i, Index j, Index k,
-                   unsigned& random, bool shuffle) {
+// equals the one where the field objects least.
+Switch best_switch(LabelLattice& lattice, const Interfaces& interfaces, Index i, Index j, Index k) {
     const Block block = block_at(lattice, i, j, k);
     Switch best;
     for (int b = 0; b < 8; ++b) {
@@ -117,14 +116,28 @@ Switch best_switch(LabelLattice& lattice, const Interfaces& interfaces, Index i,
             const int gain = before - bad_blocks_around(lattice, ci, cj, ck);
             lattice.labels[cell] = block[b];
             const Vec3 centre = lattice.centre(ci, cj, ck);
-            double cost = interfaces.value(*label, centre) - interfaces.value(block[b], centre);
-            random = random * 1664525u + 1013904223u;
-            if (shuffle) cost = random >> 8;
+            const double cost =
+                interfaces.value(*label, centre) - interfaces.value(block[b], centre);
             if (gain > best.gain || (gain == best.gain && cost < best.cost))
                 best = {cell, *label, gain, cost};
         }
     }
     return best;
+}
+
+// Gives all cells of a block its most frequent label: what ends a dispute between neighbours.
+void fill_block(LabelLattice& lattice, Index i, Index j, Index k) {
+    const Block block = block_at(lattice, i, j, k);
+    std::uint8_t winner = beyond_box;
+    std::ptrdiff_t most = 0;
+    for (std::uint8_t label : block) {
+        const auto count = std::count(block.begin(), block.end(), label);
+        if (label != beyond_box && count > most) most = count, winner = label;
+    }
+    for (int b = 0; b < 8; ++b)
+        if (block[b] != beyond_box)
+            lattice.labels[lattice.offset(i - 1 + (b & 1), j - 1 + (b >> 1 & 1),
+                                          k - 1 + (b >> 2))] = winner;
 }
 
 // Cells in no 2 x 2 x 2 block of one label; cells beyond the box agree with any label.
@@ -186,6 +199,8 @@ Surroundings surroundings(const LabelLattice& lattice, Index i, Index j, Index k
                                              std::clamp<Index>(b, 0, n[1] - 1),
                                              std::clamp<Index>(c, 0, n[2] - 1));
     const std::uint8_t own = labels[13];
+    if (std::all_of(labels.begin(), labels.end(), [own](auto label) { return label == own; }))
+        return {own, true};
     std::sort(labels.begin(), labels.end());
     std::uint8_t best = own;
     int most = 0, kinds = 0;
@@ -194,7 +209,7 @@ Surroundings surroundings(const LabelLattice& lattice, Index i, Index j, Index k
         if (end - begin > most || (end - begin == most && labels[begin] == own))
             most = end - begin, best = labels[begin];
     }
-    return {kinds < 3 ? own : best, kinds == 1};
+    return {kinds < 3 ? own : best, false};
 }
 
 }  // namespace
@@ -304,7 +319,7 @@ void remove_specks(LabelLattice& lattice, double min_volume_mm3) {
 }
 
 void make_well_composed(LabelLattice& lattice, const ImageGrid& grid, const LabelField& field) {
-    constexpr int max_rounds = 200, calm_rounds = 20;
+    constexpr int max_rounds = 200, gentle_rounds = 20;
     const Interfaces interfaces(field, grid);
     const auto& n = lattice.size;
     std::vector<std::array<Index, 3>> bad;
@@ -312,15 +327,15 @@ void make_well_composed(LabelLattice& lattice, const ImageGrid& grid, const Labe
         for (Index j = 0; j <= n[1]; ++j)
             for (Index i = 0; i <= n[0]; ++i)
                 if (!is_manifold(block_at(lattice, i, j, k))) bad.push_back({i, j, k});
-    unsigned random = 1;
     for (int round = 0; round < max_rounds && !bad.empty(); ++round) {
         std::vector<std::array<Index, 3>> next;
         for (const auto& [i, j, k] : bad) {
             if (is_manifold(block_at(lattice, i, j, k))) continue;
-            const Switch change =
-                best_switch(lattice, interfaces, i, j, k, random, round > calm_rounds);
-            if (change.label == beyond_box) continue;
-            lattice.labels[change.cell] = change.label;
+            const Switch change = best_switch(lattice, interfaces, i, j, k);
+            if (round < gentle_rounds && change.gain > 0)
+                lattice.labels[change.cell] = change.label;
+            else
+                fill_block(lattice, i, j, k);
             for (Index dk = -2; dk <= 2; ++dk)
                 for (Index dj = -2; dj <= 2; ++dj)
                     for (Index di = -2; di <= 2; ++di) {
