@@ -10,13 +10,14 @@
 namespace palpate {
 
 /// Signed distance (mm, negative inside) to the interface of one region, twice differentiable:
-/// exact distances to the zero level of a `LabelField`, sampled on a regular grid and interpolated by
-/// cubic B-splines. This is the smooth closest point of the inverse problem: the closest point of
-/// y is y - d(y) grad d(y), without the kinks of a faceted surface.
+/// exact distances to the zero level of a `LabelField`, sampled on a regular grid and interpolated
+/// by cubic B-splines. This is the smooth closest point of the inverse problem: the closest point
+/// of y is y - d(y) grad d(y), without the kinks of a faceted surface.
 class DistanceMap {
 public:
     /// The map reaches `margin_mm` beyond the region's voxels; further out it continues linearly.
     /// If the region is cut by the image box, its surface is continued beyond the box (LabelField).
+    /// Throws Error(input_unusable) if the region is absent or has no surface.
     DistanceMap(const LabelField& field, Index region, double margin_mm = 20.0);
 
     double value(const Vec3& point) const;
@@ -24,6 +25,9 @@ public:
 
     /// The same surface moved rigidly: map.moved(T).value(T(y)) == map.value(y).
     DistanceMap moved(const RigidTransform& transform) const;
+
+    /// Where the samples lie; isotropic, at most about 4 million.
+    const ImageGrid& grid() const { return grid_; }
 
 private:
     ImageGrid grid_;

@@ -63,6 +63,20 @@ TEST(CubicBspline, GradientIsTheDerivativeOfTheValue) {
     }
 }
 
+TEST(CubicBspline, MixedDerivativesAreThoseOfTheFunction) {
+    std::vector<float> coefficients = sampled();
+    to_bspline_coefficients(size, coefficients);
+    const Vec3 x(8.3, 9.7, 11.5);
+
+    EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {1, 0, 0}),
+                0.3 * std::cos(0.3 * x[0]), 2e-3);
+    EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {0, 0, 2}), 0.02, 2e-3);
+    EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {0, 1, 1}),
+                -0.025 * std::sin(0.25 * x[1]), 2e-3);
+    EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {0, 0, 0}), smooth_function(x),
+                1e-3);
+}
+
 TEST(CubicBspline, CanBeEvaluatedAtTheEndsOfItsSupport) {
     std::vector<float> coefficients = sampled();
     to_bspline_coefficients(size, coefficients);

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
+
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/voxelised.hpp"
 
@@ -27,55 +30,64 @@ double interface_radius(const LabelField& field, const Vec3& from, const Vec3& r
     return low;
 }
 
-ErrorSummary radius_errors(const ImageGrid& grid, const Vec3& from, double r) {
-    const LabelField field(voxelised_sphere(grid, from, r), 3);
-    std::vector<double> errors;
-    for (const Vec3& ray : unit_vectors(4000)) errors.push_back(interface_radius(field, from, ray) - r);
-    return summary_of(errors);
-}
+/// Errors of the interface radius over several positions of the sphere relative to the voxels.
+struct RadiusErrors {
+    double mean = 0;   ///< largest magnitude of the mean error
+    double shift = 0;  ///< the same against the sphere of the voxels' volume: the bias of ours
+    double rms = 0, max = 0;
+};
 
-/// Several positions of the sphere relative to the voxels.
-ErrorSummary radius_errors_at_offsets(const Vec3& spacing, const Mat3& direction, double r) {
-    ErrorSummary worst;
-    for (const Vec3& offset : {Vec3(0, 0, 0), Vec3(0.31, 0.17, 1.3), Vec3(0.45, 0.5, 0.6)}) {
+RadiusErrors radius_errors(const Vec3& spacing, const Mat3& direction, double r) {
+    RadiusErrors worst;
+    for (const Vec3& offset :
+         {Vec3(0.12, -0.35, 0.2), Vec3(0.31, 0.17, -0.4), Vec3(0.4, 0.2, 0.1)}) {
         ImageGrid grid = grid_around(centre, 2 * r + 20, spacing, direction);
-        grid.origin += direction * offset;
-        const ErrorSummary s = radius_errors(grid, centre, r);
+        grid.origin += direction * offset.cwiseProduct(spacing);
+        const RegionImage image = voxelised_sphere(grid, centre, r);
+        const LabelField field(image, 3);
+        std::vector<double> errors;
+        for (const Vec3& ray : unit_vectors(4000)) {
+            errors.push_back(interface_radius(field, centre, ray) - r);
+        }
+        const auto count = std::count(image.voxels.begin(), image.voxels.end(), first_organ_region);
+        const double of_voxels = std::cbrt(0.75 / M_PI * double(count) * grid.voxel_volume()) - r;
+        const ErrorSummary s = summary_of(errors);
         worst.mean = std::max(worst.mean, std::abs(s.mean));
+        worst.shift = std::max(worst.shift, std::abs(s.mean - of_voxels));
         worst.rms = std::max(worst.rms, s.rms);
         worst.max = std::max(worst.max, s.max);
     }
-    ::testing::Test::RecordProperty("mean_mm", std::to_string(worst.mean));
-    std::printf("    spacing %.1f %.1f %.1f, r %.0f: mean %.3f rms %.3f max %.3f mm\n", spacing[0],
-                spacing[1], spacing[2], r, worst.mean, worst.rms, worst.max);
+    std::printf("    spacing %.1f %.1f %.1f, r %.0f: mean %.3f shift %.3f rms %.3f max %.3f mm\n",
+                spacing[0], spacing[1], spacing[2], r, worst.mean, worst.shift, worst.rms,
+                worst.max);
     return worst;
 }
 
 TEST(LabelField, FindsASphereOfOneMillimetreVoxels) {
-    const ErrorSummary s = radius_errors_at_offsets(Vec3::Ones(), Mat3::Identity(), radius);
+    const RadiusErrors s = radius_errors(Vec3::Ones(), Mat3::Identity(), radius);
 
     EXPECT_LT(s.mean, 0.05);
+    EXPECT_LT(s.shift, 0.01);
     EXPECT_LT(s.rms, 0.15);
 }
 
 TEST(LabelField, FindsASphereOfThickSlices) {
-    const ErrorSummary s =
-        radius_errors_at_offsets(Vec3(0.5, 0.5, 3), Mat3::Identity(), radius);
+    const RadiusErrors s = radius_errors(Vec3(0.5, 0.5, 3), Mat3::Identity(), radius);
 
     EXPECT_LT(s.mean, 0.15);
     EXPECT_LT(s.rms, 0.35);
 }
 
 TEST(LabelField, DoesNotShrinkASmallSphere) {
-    const ErrorSummary s = radius_errors_at_offsets(Vec3::Ones(), Mat3::Identity(), 5);
+    const RadiusErrors s = radius_errors(Vec3::Ones(), Mat3::Identity(), 5);
 
-    EXPECT_LT(s.mean, 0.08);
+    EXPECT_LT(s.shift, 0.02);
     EXPECT_LT(s.rms, 0.2);
 }
 
 TEST(LabelField, RespectsObliqueAndLeftHandedDirections) {
     for (const Mat3& direction : {oblique_direction(), left_handed_direction()}) {
-        const ErrorSummary s = radius_errors_at_offsets(Vec3(1, 1.2, 0.8), direction, radius);
+        const RadiusErrors s = radius_errors(Vec3(1, 1.2, 0.8), direction, radius);
 
         EXPECT_LT(s.mean, 0.05);
         EXPECT_LT(s.rms, 0.15);

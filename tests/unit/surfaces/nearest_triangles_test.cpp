@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/surfaces/nearest_triangles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "host/surfaces/closest_point.hpp"
+#include "tests/unit/imaging/voxelised.hpp"
+#include "tests/unit/surfaces/analytic_surfaces.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace testing;
+
+TEST(NearestTriangles, AgreesWithTheExactSearch) {
+    // An ellipsoid, so that the nearest triangle is not ambiguous at the centre.
+    Surface surface = sphere_surface(Vec3::Zero(), 1, 40);
+    for (Vec3& v : surface.vertices) v = v.cwiseProduct(Vec3(12, 9, 7)) + Vec3(1, 2, 3);
+    const ImageGrid grid = grid_around(Vec3(1, 2, 3), 40, Vec3::Ones(), left_handed_direction());
+    const ClosestPointQuery query(surface);
+
+    const NearestTriangles nearest = nearest_triangles(surface, grid);
+
+    std::vector<double> errors;
+    for (Index k = 0; k < grid.size[2]; ++k) {
+        for (Index j = 0; j < grid.size[1]; ++j) {
+            for (Index i = 0; i < grid.size[0]; ++i) {
+                const double exact = query.closest(grid.to_point(Vec3(i, j, k))).distance_mm;
+                const double error = nearest.distance[grid.offset(i, j, k)] - exact;
+                ASSERT_GT(error, -1e-4);
+                if (exact < 2) {
+                    ASSERT_LT(error, 1e-4);
+                }
+                errors.push_back(error);
+            }
+        }
+    }
+    const ErrorSummary far = summary_of(errors);
+    std::printf("    missed by mean %.4f max %.4f mm\n", far.mean, far.max);
+    EXPECT_LT(far.mean, 0.01);
+    EXPECT_LT(far.max, 0.3);  // on the medial surface
+}
+
+}  // namespace
+}  // namespace palpate

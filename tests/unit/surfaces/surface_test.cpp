@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/surfaces/surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/surfaces/analytic_surfaces.hpp"
+
+namespace palpate {
+namespace {
+
+/// Two tetrahedra that share the face 0 1 2: region 2 above it (vertex 3), region 3 below (vertex
+/// 4). The last triangle lies on the image border.
+RegionSurface two_tets() {
+    RegionSurface all;
+    all.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -2}};
+    all.triangles = {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}};
+    all.regions = {{3, 2}, {2, 1}, {2, 1}, {2, 1}, {3, 1}, {3, 1}, {3, 0}};
+    all.on_image_border = {0, 0, 0, 0, 0, 0, 1};
+    return all;
+}
+
+TEST(Surface, OfARegionIsClosedAndPointsOutward) {
+    EXPECT_NEAR(enclosed_volume(surface_of_region(two_tets(), 2)), 1.0 / 6, 1e-15);
+    EXPECT_NEAR(enclosed_volume(surface_of_region(two_tets(), 3)), 2.0 / 6, 1e-15);
+}
+
+TEST(Surface, LeavesOutTheImageBorderWhenAsked) {
+    EXPECT_EQ(surface_of_region(two_tets(), 3, true).triangles.size(), 4u);
+    EXPECT_EQ(surface_of_region(two_tets(), 3, false).triangles.size(), 3u);
+}
+
+TEST(Surface, RemembersTheVerticesItCameFrom) {
+    const RegionSurface all = two_tets();
+
+    std::vector<Index> vertex_of{99};
+    const Surface surface = surface_of_region(all, 2, true, &vertex_of);
+
+    ASSERT_EQ(vertex_of.size(), surface.vertices.size());
+    ASSERT_EQ(vertex_of.size(), 4u);
+    for (std::size_t v = 0; v < vertex_of.size(); ++v) {
+        EXPECT_EQ(all.vertices[vertex_of[v]], surface.vertices[v]);
+    }
+}
+
+TEST(Surface, VolumeAndAreaOfASphereFarFromTheOrigin) {
+    const Surface sphere = testing::sphere_surface(Vec3(1000, -2000, 500), 10, 200);
+
+    EXPECT_NEAR(enclosed_volume(sphere), 4.0 / 3 * M_PI * 1000, 1);
+    EXPECT_NEAR(surface_area(sphere), 4 * M_PI * 100, 0.2);
+}
+
+}  // namespace
+}  // namespace palpate
