@@ -97,6 +97,11 @@ bool is_meshed(Index region, const std::vector<Index>& hollow) {
     return region > 0 && std::find(hollow.begin(), hollow.end(), region) == hollow.end();
 }
 
+void turn_to_positive_volume(Mesh& mesh) {
+    for (Index t = 0; t < mesh.num_tets(); ++t)
+        if (tet_volume(mesh, t) < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
+}
+
 void keep_meshed(MeshReply& reply, const std::vector<Index>& hollow) {
     Mesh& mesh = reply.mesh;
     std::size_t kept = 0;
@@ -104,8 +109,6 @@ void keep_meshed(MeshReply& reply, const std::vector<Index>& hollow) {
         if (!is_meshed(mesh.region[t], hollow)) continue;
         mesh.region[kept] = mesh.region[t];
         mesh.tets[kept] = mesh.tets[t];
-        if (tet_volume(mesh, static_cast<Index>(kept)) < 0)
-            std::swap(mesh.tets[kept][2], mesh.tets[kept][3]);
         ++kept;
     }
     mesh.tets.resize(kept);

@@ -61,8 +61,11 @@ MeshReply mesh_with_cgal(const VolumeJob& job);
 
 bool is_meshed(Index region, const std::vector<Index>& hollow);
 
-/// Drops tets of unmeshed regions, triangles between two of them and nodes that are no longer used,
-/// and turns inverted tets round. Nodes keep their order.
+/// Swaps two nodes of every tet of negative volume.
+void turn_to_positive_volume(Mesh& mesh);
+
+/// Drops tets of unmeshed regions, triangles between two of them and nodes that are no longer used.
+/// Nodes keep their order.
 void keep_meshed(MeshReply& reply, const std::vector<Index>& hollow);
 
 }  // namespace palpate::mesh_tool

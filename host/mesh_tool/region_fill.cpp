@@ -105,4 +105,24 @@ std::vector<Index> fill_regions(const std::vector<Tet>& tets, const std::vector<
     return region;
 }
 
+void interfaces_between_regions(const Mesh& mesh, std::vector<Triangle>& triangles,
+                                std::vector<std::array<Index, 2>>& regions) {
+    const std::vector<Face> faces = all_faces(mesh.tets, {});
+    triangles.clear();
+    regions.clear();
+    for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
+        while (j < faces.size() && faces[j].nodes == faces[i].nodes) ++j;
+        if (j - i > 2) fail("the mesher returned overlapping tets");
+        const Face* behind = &faces[i];
+        const Face* front = j - i == 2 ? &faces[i + 1] : nullptr;
+        if (front && mesh.region[front->tet] > mesh.region[behind->tet]) std::swap(behind, front);
+        const Index beyond = front ? mesh.region[front->tet] : 0;
+        if (mesh.region[behind->tet] == beyond) continue;
+        const int* local = face_nodes[behind->number];
+        const Tet& tet = mesh.tets[behind->tet];
+        triangles.push_back({tet[local[0]], tet[local[1]], tet[local[2]]});
+        regions.push_back({mesh.region[behind->tet], beyond});
+    }
+}
+
 }  // namespace palpate::mesh_tool

@@ -17,4 +17,10 @@ std::vector<Index> fill_regions(const std::vector<Tet>& tets, const std::vector<
                                 const std::vector<std::array<Index, 2>>& regions,
                                 std::vector<Index>* component = nullptr);
 
+/// All faces between tets of different regions or on the hull (region 0 beyond), with their two
+/// regions; the normal points from regions[0], which is the one of the larger number, to regions[1].
+/// Tets must have positive volume.
+void interfaces_between_regions(const Mesh& mesh, std::vector<Triangle>& triangles,
+                                std::vector<std::array<Index, 2>>& regions);
+
 }  // namespace palpate::mesh_tool

@@ -65,8 +65,8 @@ Mesh to_mesh(const tetgenio& out) {
     for (int t = 0; t < out.numberoftetrahedra; ++t) {
         for (int k = 0; k < 4; ++k)
             mesh.tets[t][k] = out.tetrahedronlist[t * out.numberofcorners + k];
-        if (tet_volume(mesh, t) < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
     }
+    turn_to_positive_volume(mesh);
     return mesh;
 }
 
