@@ -10,14 +10,14 @@ namespace palpate {
 
 WallMotion::WallMotion(const PelvisAnatomy& anatomy, PelvisOrgan organ, RandomNumbers& random)
     : anatomy_(&anatomy), organ_(organ) {
-    // Most often the organ fills; an organ that empties pulls the prostate along instead.
-    const double sign = random.is_below(0.75) ? 1.0 : -1.0;
+    // More often the organ fills; an organ that empties pulls the prostate along instead.
+    const double sign = random.is_below(0.65) ? 1.0 : -1.0;
     const OrganShape& shape = anatomy.organs[organ];
     to_prostate_ = (anatomy.organs[prostate].centre - shape.centre).normalized();
-    expansion_mm_ = sign * random.uniform(3, 5.5);
-    push_mm_ = sign * random.uniform(1.5, 3.5);
+    expansion_mm_ = sign * random.uniform(3, 5);
+    push_mm_ = sign * random.uniform(1, 2.5);
     tangential_mm_ = random.uniform(0.4, 1.0);
-    shift_mm_ = sign * random.uniform(1, 3) * to_prostate_ +
+    shift_mm_ = sign * random.uniform(1.5, 3.5) * to_prostate_ +
                 random.uniform(-1.5, 1.5) * Vec3::UnitX() +
                 random.uniform(-1, 1) * to_prostate_.cross(Vec3::UnitX()).normalized();
     variation_ = SmoothField(random, 35, 70);
@@ -44,7 +44,12 @@ Vec3 WallMotion::displacement(const Vec3& x) const {
 
 std::vector<WallMotion> make_wall_motions(const PelvisAnatomy& anatomy, unsigned seed) {
     RandomNumbers random(0x6c6f6164ull * 1000003ull + seed);
-    return {WallMotion(anatomy, bladder, random), WallMotion(anatomy, rectum, random)};
+    std::vector<WallMotion> motions{WallMotion(anatomy, bladder, random),
+                                    WallMotion(anatomy, rectum, random)};
+    // What one organ does moves the whole neighbourhood: both walls share the sum of the shifts.
+    const Vec3 common = motions[0].shift_mm() + motions[1].shift_mm();
+    for (WallMotion& motion : motions) motion.set_shift(common);
+    return motions;
 }
 
 }  // namespace palpate

@@ -25,6 +25,7 @@ public:
     double push_mm() const { return push_mm_; }
     double tangential_mm() const { return tangential_mm_; }
     const Vec3& shift_mm() const { return shift_mm_; }
+    void set_shift(const Vec3& shift_mm) { shift_mm_ = shift_mm; }
 
 private:
     double normal_part(const Vec3& x, const Vec3& normal) const;
