@@ -37,6 +37,7 @@ std::string bar(double fraction) {
 struct Console {
     Clock::time_point begin = Clock::now();
     std::string stage;
+    double next_line_s = 0;
 
     double elapsed_s() const {
         return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -55,7 +56,10 @@ struct Console {
     }
 
     void append(const Progress& progress) {
-        if (progress.message.empty()) return;
+        const bool is_new = progress.stage != stage || progress.stage == "searching";
+        if (progress.message.empty() || (!is_new && elapsed_s() < next_line_s)) return;
+        stage = progress.stage;
+        next_line_s = elapsed_s() + 5.0;
         fmt::print(stderr, "{:6.1f} s  {:<11} {}\n", elapsed_s(), progress.stage,
                    progress.message);
     }

@@ -104,23 +104,35 @@ State Search::settle_walls(State state) const {
     return state;
 }
 
-/// Backtracking on the nonlinear objective with the determinant of this linearisation.
+/// Line search on the nonlinear objective, with the determinant of this linearisation (taken as
+/// linear along the step). Gauss-Newton leaves out how the surfaces curve, so in some directions it
+/// goes twice too far, step after step: a parabola through three points finds the right length.
 State Search::step_towards(const State& from, const LinearisedProblem& problem,
                            const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
                            double& length) const {
-    const auto total = [&](const State& state) {
-        return state.objective + 0.5 * problem.evaluate(state.theta, false).log_determinant;
-    };
-    const double start = total(from);
-    for (length = 1.0; length > 1e-3; length *= 0.5) {
-        const State trial = state_at(from.driven + length * (driven - from.driven),
-                                     from.theta + length * (theta - from.theta));
-        if (std::isfinite(trial.objective) && total(trial) <= start + 1e-9 * std::abs(start)) {
-            return trial;
-        }
-    }
+    const double determinant = 0.5 * problem.evaluate(from.theta, false).log_determinant;
+    const double change = 0.5 * problem.evaluate(theta, false).log_determinant - determinant;
+    State best = from;
+    double lowest = from.objective;
     length = 0;
-    return from;
+    const auto offer = [&](double t) {
+        State trial = state_at(from.driven + t * (driven - from.driven),
+                               from.theta + t * (theta - from.theta));
+        const double value = trial.objective + t * change;
+        if (std::isfinite(value) && value <= lowest) {
+            lowest = value;
+            length = t;
+            best = std::move(trial);
+        }
+        return value;
+    };
+    const double whole = offer(1.0);
+    const double half = offer(0.5);
+    const double bend = 2.0 * (whole + from.objective - 2.0 * half);
+    const double slope = 4.0 * half - 3.0 * from.objective - whole;
+    if (bend > 0 && slope < 0) offer(std::clamp(-0.5 * slope / bend, 0.1, 1.5));
+    for (double t = 0.25; length == 0 && t > 1e-3; t *= 0.5) offer(t);
+    return best;
 }
 
 /// sigma_n^2 such that the observed residual has the size that its own model predicts:
@@ -167,11 +179,13 @@ MapEstimate Search::run() {
 
     Termination termination{false, fmt::format("{} iterations were not enough",
                                                options_.max_iterations), 0};
+    Eigen::MatrixXd hessian;
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
             k == 1 ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
-        const ModulusMinimum best = minimise_moduli(problem, start, bounds_);
+        const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
+        hessian = best.hessian;
         double length = 0;
         const State next = step_towards(state, problem,
                                         problem.evaluate(best.theta, false).driven, best.theta,

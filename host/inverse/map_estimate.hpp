@@ -15,8 +15,8 @@ namespace palpate {
 
 struct MapOptions {
     int max_iterations = 40;
-    double modulus_tolerance = 5e-4;       ///< largest change of ln E in the last step
-    double displacement_tolerance_mm = 5e-3;  ///< largest change of a driven node in the last step
+    double modulus_tolerance = 1e-3;       ///< largest change of ln E in the last step
+    double displacement_tolerance_mm = 0.05;   ///< largest change of a driven node in the last step
     double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
     bool estimate_noise = true;            ///< scale sigma_n to what the observed surface shows
 };

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 constexpr int scan_points = 11;
 constexpr int most_steps = 25;
 constexpr double longest_step = 1.0;   // of ln E
-constexpr double small_gradient = 1e-4;  // in posterior standard deviations
+constexpr double small_gradient = 1e-3;  // in posterior standard deviations
 
 /// Negative and tiny curvatures are replaced by the prior's, so that the step goes downhill.
 Eigen::MatrixXd made_definite(const Eigen::MatrixXd& hessian,
@@ -29,6 +30,15 @@ Eigen::MatrixXd made_definite(const Eigen::MatrixXd& hessian,
 
 Eigen::VectorXd clamped(const Eigen::VectorXd& theta, const ModulusBounds& bounds) {
     return theta.cwiseMax(bounds.lower_ln).cwiseMin(bounds.upper_ln);
+}
+
+/// BFGS; in one dimension this is the secant rule.
+void update_hessian(const Eigen::VectorXd& step, const Eigen::VectorXd& change,
+                    Eigen::MatrixXd& hessian) {
+    const Eigen::VectorXd known = hessian * step;
+    if (step.dot(change) < 1e-3 * step.norm() * change.norm() || step.dot(known) <= 0) return;
+    hessian += change * change.transpose() / change.dot(step) -
+               known * known.transpose() / step.dot(known);
 }
 
 }  // namespace
@@ -65,13 +75,13 @@ Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBound
 }
 
 ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::VectorXd& start,
-                               const ModulusBounds& bounds) {
+                               const ModulusBounds& bounds, const Eigen::MatrixXd& hessian) {
     ModulusMinimum minimum;
     minimum.theta = start;
     if (problem.num_unknown() == 0) return minimum;
+    minimum.hessian = hessian.size() > 0 ? hessian : problem.hessian(start);
+    auto here = problem.evaluate(start, true);
     for (; minimum.steps < most_steps; ++minimum.steps) {
-        const auto here = problem.evaluate(minimum.theta, true);
-        minimum.hessian = problem.hessian(minimum.theta);
         const Eigen::MatrixXd safe = made_definite(minimum.hessian, problem.priors());
         Eigen::VectorXd step = -safe.llt().solve(here.gradient);
         minimum.gradient_norm = std::sqrt(std::max(0.0, -here.gradient.dot(step)));
@@ -80,12 +90,16 @@ ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::Ve
         if (longest > longest_step) step *= longest_step / longest;
         double t = 1.0;
         Eigen::VectorXd next = clamped(minimum.theta + step, bounds);
-        while (t > 1e-3 && problem.evaluate(next, false).objective > here.objective) {
+        auto there = problem.evaluate(next, true);
+        while (t > 1e-3 && there.objective > here.objective) {
             t *= 0.5;
             next = clamped(minimum.theta + t * step, bounds);
+            there = problem.evaluate(next, true);
         }
         if (t <= 1e-3 || (next - minimum.theta).cwiseAbs().maxCoeff() < 1e-9) break;
+        update_hessian(next - minimum.theta, there.gradient - here.gradient, minimum.hessian);
         minimum.theta = next;
+        here = std::move(there);
     }
     return minimum;
 }
