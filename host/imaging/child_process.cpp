@@ -35,6 +35,7 @@ struct Report {
     }
 };
 
+#ifndef __SANITIZE_ADDRESS__
 std::size_t mapped_bytes() {
     unsigned long pages = 0;
     if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
@@ -43,6 +44,7 @@ std::size_t mapped_bytes() {
     }
     return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
+#endif
 
 void lower_limit(int resource, rlim_t value) {
     rlimit limit{};
