@@ -35,8 +35,9 @@ void check_input(const RegionImage& image, const LabelField& field, const Surfac
                                 options.edge_length_mm, options.outer_edge_length_mm));
     const auto largest = std::max_element(image.voxels.begin(), image.voxels.end());
     if (largest == image.voxels.end() || *largest >= beyond_box || *largest >= field.num_regions())
-        throw Error(ErrorCode::invalid_argument,
-                    "The region image is empty or has region numbers that its field does not know.");
+        throw Error(
+            ErrorCode::invalid_argument,
+            "The region image is empty or has region numbers that its field does not know.");
 }
 
 // An organ needs room for a closed surface of a few dozen triangles.
@@ -155,8 +156,9 @@ RegionSurface extract_surfaces(const RegionImage& image, const LabelField& field
     std::string reason;
     constexpr Attempt attempts[] = {{0.5, 6}, {0.45, 6}, {0.4, 6}};
     for (const Attempt& attempt : attempts) {
-        report_progress(progress, "surfaces", -1,
-                        reason.empty() ? "" : fmt::format("again with a finer lattice: {}", reason));
+        report_progress(
+            progress, "surfaces", -1,
+            reason.empty() ? "" : fmt::format("again with a finer lattice: {}", reason));
         SurfaceComplex complex = make_complex(image, field, options, attempt, volumes);
         reason = complaint(complex, volumes, options.volume_tolerance);
         if (!reason.empty()) continue;

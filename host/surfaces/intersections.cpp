@@ -17,7 +17,8 @@ constexpr double steps_per_mm = 65536;
 
 int sign_of(Wide x) { return (x > 0) - (x < 0); }
 
-// The side of d with respect to the plane of a, b, c: floating point first, whole numbers if unsure.
+// The side of d with respect to the plane of a, b, c: floating point first, whole numbers if
+// unsure.
 int orientation(const Point& a, const Point& b, const Point& c, const Point& d) {
     double x[3][3];
     const Point* from[3] = {&a, &b, &c};
@@ -68,12 +69,14 @@ bool segments_meet(const Point& a, const Point& b, const Point& c, const Point& 
     const int abc = orientation2(a, b, c, dropped), abd = orientation2(a, b, d, dropped);
     const int cda = orientation2(c, d, a, dropped), cdb = orientation2(c, d, b, dropped);
     if (abc * abd < 0 && cda * cdb < 0) return true;
-    return (abc == 0 && is_between(a, b, c, dropped)) || (abd == 0 && is_between(a, b, d, dropped)) ||
+    return (abc == 0 && is_between(a, b, c, dropped)) ||
+           (abd == 0 && is_between(a, b, d, dropped)) ||
            (cda == 0 && is_between(c, d, a, dropped)) || (cdb == 0 && is_between(c, d, b, dropped));
 }
 
 bool point_in_triangle(const Point& p, const Corners& t, int dropped) {
-    const int a = orientation2(*t[0], *t[1], p, dropped), b = orientation2(*t[1], *t[2], p, dropped),
+    const int a = orientation2(*t[0], *t[1], p, dropped),
+              b = orientation2(*t[1], *t[2], p, dropped),
               c = orientation2(*t[2], *t[0], p, dropped);
     return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
@@ -120,7 +123,8 @@ public:
         if (shared == 3) return true;
         if (shared == 2) return folds_over(s, t);
         if (shared == 1)
-            return segment_meets_triangle(*s[1], *s[2], t) || segment_meets_triangle(*t[1], *t[2], s);
+            return segment_meets_triangle(*s[1], *s[2], t) ||
+                   segment_meets_triangle(*t[1], *t[2], s);
         for (int i = 0; i < 3; ++i)
             if (segment_meets_triangle(*s[i], *s[(i + 1) % 3], t) ||
                 segment_meets_triangle(*t[i], *t[(i + 1) % 3], s))
@@ -133,7 +137,8 @@ private:
     static bool folds_over(const Corners& s, const Corners& t) {
         if (orientation(*s[0], *s[1], *s[2], *t[2]) != 0) return false;
         const int axis = main_axis(s);
-        return orientation2(*s[0], *s[1], *s[2], axis) * orientation2(*s[0], *s[1], *t[2], axis) >= 0;
+        return orientation2(*s[0], *s[1], *s[2], axis) * orientation2(*s[0], *s[1], *t[2], axis) >=
+               0;
     }
 
     std::span<const Triangle> triangles_;
@@ -177,7 +182,8 @@ struct Boxes {
 std::vector<std::array<Index, 2>> find_intersections(std::span<const Vec3> vertices,
                                                      std::span<const Triangle> triangles) {
     const Boxes boxes(vertices, triangles);
-    std::vector<std::pair<std::uint64_t, Index>> entries;  // sorted: the triangles of each grid cell
+    std::vector<std::pair<std::uint64_t, Index>>
+        entries;  // sorted: the triangles of each grid cell
     for (Index t = 0; t < Index(triangles.size()); ++t)
         boxes.for_cells(t, [&](std::uint64_t cell) { entries.push_back({cell, t}); });
     std::sort(entries.begin(), entries.end());

@@ -23,7 +23,8 @@ std::vector<std::uint8_t> uniform_voxels(const RegionImage& image, double reach_
     std::vector<std::uint8_t> line_low, line_high;
     for (int axis = 0; axis < 3; ++axis) {
         const Index n = size[axis];
-        const Index reach = std::min<Index>(n, Index(std::ceil(reach_mm / image.grid.spacing[axis])));
+        const Index reach =
+            std::min<Index>(n, Index(std::ceil(reach_mm / image.grid.spacing[axis])));
         line_low.resize(n), line_high.resize(n);
         for (std::size_t start = 0; start < low.size(); ++start) {
             if ((start / stride[axis]) % std::size_t(n) != 0) continue;
@@ -32,7 +33,8 @@ std::vector<std::uint8_t> uniform_voxels(const RegionImage& image, double reach_
                 line_high[i] = high[start + i * stride[axis]];
             }
             for (Index i = 0; i < n; ++i) {
-                const Index first = std::max<Index>(0, i - reach), last = std::min(n, i + reach + 1);
+                const Index first = std::max<Index>(0, i - reach),
+                            last = std::min(n, i + reach + 1);
                 low[start + i * stride[axis]] =
                     *std::min_element(line_low.begin() + first, line_low.begin() + last);
                 high[start + i * stride[axis]] =
@@ -136,8 +138,9 @@ void fill_block(LabelLattice& lattice, Index i, Index j, Index k) {
     }
     for (int b = 0; b < 8; ++b)
         if (block[b] != beyond_box)
-            lattice.labels[lattice.offset(i - 1 + (b & 1), j - 1 + (b >> 1 & 1),
-                                          k - 1 + (b >> 2))] = winner;
+            lattice
+                .labels[lattice.offset(i - 1 + (b & 1), j - 1 + (b >> 1 & 1), k - 1 + (b >> 2))] =
+                winner;
 }
 
 // Cells in no 2 x 2 x 2 block of one label; cells beyond the box agree with any label.
@@ -183,8 +186,8 @@ std::uint8_t preferred_neighbour(const LabelLattice& lattice, const Interfaces& 
 }
 
 struct Surroundings {
-    std::uint8_t label;    ///< that most of the 27 cells have; the cell's own if only two meet
-    bool is_uniform;       ///< one label only
+    std::uint8_t label;  ///< that most of the 27 cells have; the cell's own if only two meet
+    bool is_uniform;     ///< one label only
 };
 
 // Cells beyond the box repeat the nearest cell inside.
@@ -195,9 +198,9 @@ Surroundings surroundings(const LabelLattice& lattice, Index i, Index j, Index k
     for (Index c = k - 1; c <= k + 1; ++c)
         for (Index b = j - 1; b <= j + 1; ++b)
             for (Index a = i - 1; a <= i + 1; ++a)
-                labels[count++] = lattice.at(std::clamp<Index>(a, 0, n[0] - 1),
-                                             std::clamp<Index>(b, 0, n[1] - 1),
-                                             std::clamp<Index>(c, 0, n[2] - 1));
+                labels[count++] =
+                    lattice.at(std::clamp<Index>(a, 0, n[0] - 1), std::clamp<Index>(b, 0, n[1] - 1),
+                               std::clamp<Index>(c, 0, n[2] - 1));
     const std::uint8_t own = labels[13];
     if (std::all_of(labels.begin(), labels.end(), [own](auto label) { return label == own; }))
         return {own, true};

@@ -42,8 +42,8 @@ LabelLattice sample_labels(const RegionImage& image, const LabelField& field, do
 /// prefers. Beyond the box any label continues.
 void remove_thin_parts(LabelLattice& lattice, const ImageGrid& grid, const LabelField& field);
 
-/// Evens out the curves where three labels meet: near them each cell takes the label that most of the
-/// 27 cells around it have. Where organs barely touch, sampling leaves a ragged contact.
+/// Evens out the curves where three labels meet: near them each cell takes the label that most of
+/// the 27 cells around it have. Where organs barely touch, sampling leaves a ragged contact.
 void even_out_contacts(LabelLattice& lattice, int rounds);
 
 /// Gives connected pieces smaller than `min_volume_mm3` to the label around them. The largest piece

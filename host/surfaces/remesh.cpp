@@ -13,7 +13,7 @@ using Face = SurfaceComplex::Face;
 using Kind = SurfaceComplex::Kind;
 
 constexpr double degree = 3.14159265358979323846 / 180;
-const double acceptable_cosine = std::cos(25 * degree);        // of an angle in a triangle
+const double acceptable_cosine = std::cos(25 * degree);  // of an angle in a triangle
 const double tolerable_cosine = std::cos(15 * degree);
 const double needle_cosine = std::cos(10 * degree);
 const double acceptable_wedge_cosine = std::cos(35 * degree);  // between faces at an edge
@@ -75,9 +75,8 @@ double sharpest_wedge_around(const SurfaceComplex& complex, Index vertex) {
 bool is_on_flat_face(const SurfaceComplex& complex, Index vertex) {
     const auto& faces = complex.faces_of[vertex];
     const std::int8_t plane = complex.faces[faces.front()].plane;
-    return plane >= 0 && std::all_of(faces.begin(), faces.end(), [&](Index f) {
-               return complex.faces[f].plane == plane;
-           });
+    return plane >= 0 && std::all_of(faces.begin(), faces.end(),
+                                     [&](Index f) { return complex.faces[f].plane == plane; });
 }
 
 // Moves a vertex as far along the way as all its faces allow.
@@ -86,7 +85,8 @@ void move_guarded(SurfaceComplex& complex, Index vertex, const Vec3& to) {
     const Vec3 from = complex.points[vertex];
     const bool may_get_sharp = !is_on_flat_face(complex, vertex);
     const double wedge =
-        may_get_sharp ? std::max(sharpest_wedge_around(complex, vertex), acceptable_wedge_cosine) : 1;
+        may_get_sharp ? std::max(sharpest_wedge_around(complex, vertex), acceptable_wedge_cosine)
+                      : 1;
     for (double share : {1.0, 0.5, 0.25}) {
         const Vec3 place = from + share * (to - from);
         const auto fine = [&](Index f) {
@@ -184,7 +184,8 @@ void split_long_edges(Work& work) {
 
 Work work_on(SurfaceComplex& complex, const EdgeLengthAt& edge_length) {
     Work work{complex, std::vector<double>(complex.points.size())};
-    for (Index v = 0; v < Index(complex.points.size()); ++v) work.wanted[v] = edge_length(complex, v);
+    for (Index v = 0; v < Index(complex.points.size()); ++v)
+        work.wanted[v] = edge_length(complex, v);
     return work;
 }
 
@@ -257,7 +258,8 @@ bool keeps_geometry(const Work& work, const Collapse& collapse) {
         for (Index f : complex.faces_of[vertex]) {
             const Face& face = complex.faces[f];
             if (face.has(collapse.removed) && face.has(collapse.kept)) continue;
-            if (!keeps_shape(complex, face, vertex, collapse.place, min_turn_cosine, max_cosine)) return false;
+            if (!keeps_shape(complex, face, vertex, collapse.place, min_turn_cosine, max_cosine))
+                return false;
             if (vertex == collapse.removed &&
                 touches_box(complex, face, collapse.removed, collapse.kept))
                 return false;
@@ -270,7 +272,9 @@ bool keeps_geometry(const Work& work, const Collapse& collapse) {
 }
 
 void apply(SurfaceComplex& complex, const Collapse& collapse) {
-    const auto forget = [&](Index vertex, Index face) { std::erase(complex.faces_of[vertex], face); };
+    const auto forget = [&](Index vertex, Index face) {
+        std::erase(complex.faces_of[vertex], face);
+    };
     complex.points[collapse.kept] = collapse.place;
     const std::vector<Index> old = std::move(complex.faces_of[collapse.removed]);
     complex.faces_of[collapse.removed].clear();
@@ -291,7 +295,8 @@ bool try_collapse(Work& work, Index u, Index v) {
     SurfaceComplex& complex = work.complex;
     Kind kind_u = complex.kind(u), kind_v = complex.kind(v);
     if (kind_u > kind_v) std::swap(u, v), std::swap(kind_u, kind_v);
-    if (kind_u == Kind::corner || (kind_u == Kind::curve && !complex.is_feature(u, v))) return false;
+    if (kind_u == Kind::corner || (kind_u == Kind::curve && !complex.is_feature(u, v)))
+        return false;
     if (!keeps_topology(complex, u, v)) return false;
     std::array<Collapse, 3> choices{Collapse{u, v, (complex.points[u] + complex.points[v]) / 2},
                                     Collapse{u, v, complex.points[v]},
@@ -338,7 +343,8 @@ bool try_flip(SurfaceComplex& complex, Index u, Index v) {
     const auto& p = complex.points;
     const double before =
         std::max(largest_cosine(p[u], p[v], p[c]), largest_cosine(p[u], p[v], p[d]));
-    const double after = std::max(largest_cosine(p[u], p[d], p[c]), largest_cosine(p[v], p[c], p[d]));
+    const double after =
+        std::max(largest_cosine(p[u], p[d], p[c]), largest_cosine(p[v], p[c], p[d]));
     if (after > before - gain || c == d) return false;
     if (complex.edge_faces(c, d, found) > 0) return false;
     if (one.plane < 0 && (complex.planes[c] & complex.planes[d])) return false;

@@ -12,9 +12,9 @@ namespace palpate {
 /// Wanted edge length (mm) at a vertex of the complex.
 using EdgeLengthAt = std::function<double(const SurfaceComplex&, Index vertex)>;
 
-/// Pulls the staircase of a lattice onto the smooth interfaces: alternately evens out vertices along
-/// their surface or curve and steps to the interface, never further than `reach_mm` (per axis, mm)
-/// from the lattice corner where the vertex began, so that sheets cannot pass each other.
+/// Pulls the staircase of a lattice onto the smooth interfaces: alternately evens out vertices
+/// along their surface or curve and steps to the interface, never further than `reach_mm` (per
+/// axis, mm) from the lattice corner where the vertex began, so that sheets cannot pass each other.
 void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, const Vec3& reach_mm,
                      int rounds);
 
@@ -25,8 +25,8 @@ void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, cons
 void remesh(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLengthAt& edge_length,
             int rounds);
 
-/// Collapses the edges that stayed far too short, flips, and opens wedges between faces that are too
-/// sharp for tetrahedra.
+/// Collapses the edges that stayed far too short, flips, and opens wedges between faces that are
+/// too sharp for tetrahedra.
 void polish(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLengthAt& edge_length);
 
 /// One round of moving vertices, guarded so that no face turns over or degenerates: `spread` of the

@@ -164,9 +164,12 @@ SurfaceComplex boundary_of(const LabelLattice& lattice) {
                     ++square[1][side], ++square[2][side], ++square[2][up], ++square[3][up];
                     std::array<Index, 4> q;
                     for (int corner = 0; corner < 4; ++corner) q[corner] = vertex(square[corner]);
-                    const int plane = c[axis] == 0 ? 2 * axis : c[axis] == n[axis] ? 2 * axis + 1 : -1;
+                    const int plane = c[axis] == 0         ? 2 * axis
+                                      : c[axis] == n[axis] ? 2 * axis + 1
+                                                           : -1;
                     const int turn = (c[side] + c[up]) & 1;  // alternate diagonals
-                    const Index a = q[turn], b = q[turn + 1], c2 = q[turn + 2], d = q[(turn + 3) % 4];
+                    const Index a = q[turn], b = q[turn + 1], c2 = q[turn + 2],
+                                d = q[(turn + 3) % 4];
                     const auto add = [&](Index x, Index y, Index z) {
                         SurfaceComplex::Face face{{x, y, z}, {behind, front}, std::int8_t(plane)};
                         if (behind > front) face = {{x, z, y}, {front, behind}, face.plane};

@@ -33,7 +33,8 @@ std::vector<double> enclosed_volumes(const SurfaceComplex& complex, Index num_re
     std::vector<double> volumes(std::size_t(num_regions), 0.0);
     for (const auto& face : complex.faces) {
         const double volume = complex.points[face.v[0]].dot(
-                                  complex.points[face.v[1]].cross(complex.points[face.v[2]])) / 6;
+                                  complex.points[face.v[1]].cross(complex.points[face.v[2]])) /
+                              6;
         volumes[face.regions[0]] += volume;
         if (face.regions[1] != beyond_box) volumes[face.regions[1]] -= volume;
     }

@@ -38,8 +38,9 @@ Mat3 tilted() { return testing::oblique_direction(); }
 double distance(const Vec3& a, const Vec3& b) { return (a - b).norm(); }
 
 RegionImage sphere(const Mat3& direction = Mat3::Identity()) {
-    return voxelised(grid_around({5, -8, 20}, 50, {1, 1, 1}, direction),
-                     [](const Vec3& x) { return distance(x, {5, -8, 20}) < 15 ? 2 : 1; });
+    return voxelised(grid_around({5, -8, 20}, 50, {1, 1, 1}, direction), [](const Vec3& x) {
+        return distance(x, {5, -8, 20}) < 15 ? 2 : 1;
+    });
 }
 
 // Two halves of a sphere, one in a shell: four regions, all touching.
@@ -137,7 +138,9 @@ void expect_box_covered_and_flat(const Extracted& e) {
         bool is_flat = false;
         for (int axis = 0; axis < 3; ++axis)
             for (const double plane : {-0.5, grid.size[axis] - 0.5}) {
-                const auto is_there = [&](const Vec3& p) { return std::abs(p[axis] - plane) < 1e-9; };
+                const auto is_there = [&](const Vec3& p) {
+                    return std::abs(p[axis] - plane) < 1e-9;
+                };
                 is_flat |= std::all_of(at.begin(), at.end(), is_there);
             }
         EXPECT_EQ(bool(e.surface.on_image_border[t]), is_flat);
@@ -147,8 +150,8 @@ void expect_box_covered_and_flat(const Extracted& e) {
                    &b = e.surface.vertices[e.surface.triangles[t][1]],
                    &c = e.surface.vertices[e.surface.triangles[t][2]];
         const Vec3 normal = (b - a).cross(c - a);
-        const Vec3 middle = grid.to_point({0.5 * (grid.size[0] - 1), 0.5 * (grid.size[1] - 1),
-                                           0.5 * (grid.size[2] - 1)});
+        const Vec3 middle = grid.to_point(
+            {0.5 * (grid.size[0] - 1), 0.5 * (grid.size[1] - 1), 0.5 * (grid.size[2] - 1)});
         EXPECT_GT(normal.dot(a - middle), 0);  // outward
         area += normal.norm() / 2;
     }
@@ -185,11 +188,12 @@ Shape shape_of(const RegionSurface& s) {
     for (const auto& [edge, sides] : flanks)
         for (std::size_t i = 0; i < sides.size(); ++i)
             for (std::size_t j = 0; j < i; ++j)
-                wedge = std::min(wedge, std::acos(std::clamp(sides[i].dot(sides[j]), -1., 1.)) *
-                                            degrees);
+                wedge = std::min(wedge,
+                                 std::acos(std::clamp(sides[i].dot(sides[j]), -1., 1.)) * degrees);
     std::nth_element(organ_edges.begin(), organ_edges.begin() + organ_edges.size() / 2,
                      organ_edges.end());
-    const auto narrow = std::count_if(angles.begin(), angles.end(), [](double a) { return a < 20; });
+    const auto narrow =
+        std::count_if(angles.begin(), angles.end(), [](double a) { return a < 20; });
     return {*std::min_element(angles.begin(), angles.end()), double(narrow) / double(angles.size()),
             organ_edges[organ_edges.size() / 2], wedge};
 }
@@ -230,8 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
     Surfaces, EverySurface,
     ::testing::Values(Scene{"sphere", upright_sphere}, Scene{"tilted", tilted_sphere},
                       Scene{"mirrored", mirrored_sphere}, Scene{"touching", touching},
-                      Scene{"crescent", crescent},
-                      Scene{"barely_touching", barely_touching},
+                      Scene{"crescent", crescent}, Scene{"barely_touching", barely_touching},
                       Scene{"cut", cut_upright}, Scene{"cut_mirrored", cut_mirrored}),
     [](const auto& test) { return std::string(test.param.name); });
 
@@ -312,9 +315,8 @@ TEST(ExtractSurfaces, AThinCrescentKeepsOnePieceWithoutHoles) {
 }
 
 TEST(ExtractSurfaces, AnOrganTooSmallForTheEdgeLengthIsRefused) {
-    const RegionImage image = voxelised(grid_around({0, 0, 0}, 30, {1, 1, 1}), [](const Vec3& x) {
-        return x.norm() < 2.5 ? 2 : 1;
-    });
+    const RegionImage image = voxelised(grid_around({0, 0, 0}, 30, {1, 1, 1}),
+                                        [](const Vec3& x) { return x.norm() < 2.5 ? 2 : 1; });
 
     try {
         extract(image);

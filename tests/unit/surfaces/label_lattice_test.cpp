@@ -107,9 +107,9 @@ TEST(LabelLattice, SheetsOneCellThinGoAndSheetsTwoCellsThickStay) {
 TEST(LabelLattice, SpecksGoToTheirSurroundingsButTheOnlyPieceOfAnOrganStays) {
     std::vector<std::uint8_t> labels(side * side * side, 1);
     LabelLattice lattice = lattice_of(image_of(labels));
-    lattice.labels[lattice.offset(2, 2, 2)] = 2;   // the organ
+    lattice.labels[lattice.offset(2, 2, 2)] = 2;  // the organ
     lattice.labels[lattice.offset(3, 2, 2)] = 2;
-    lattice.labels[lattice.offset(9, 9, 9)] = 2;   // its speck
+    lattice.labels[lattice.offset(9, 9, 9)] = 2;  // its speck
 
     remove_specks(lattice, 5);
 
