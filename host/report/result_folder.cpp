@@ -150,13 +150,14 @@ void write_folder_atomically(const fs::path& folder, bool overwrite,
                              const std::function<void(const fs::path&)>& fill) {
     try {
         const fs::path target = resolved(folder);
-        if (fs::exists(target) && !overwrite)
+        const bool replaces = fs::exists(target);
+        if (replaces && !overwrite)
             fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
         Parents parents(target);
         TemporaryFolder temporary(target);
         fill(temporary.path());
         sync_tree_to_disk(temporary.path());
-        if (fs::exists(target)) {
+        if (replaces) {
             exchange(temporary.path(), target);  // the destructor removes the old one
         } else {
             rename_to_new(temporary.path(), target);
