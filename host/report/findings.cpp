@@ -10,8 +10,10 @@
 namespace palpate {
 namespace {
 
-std::string sentence_end(const std::string& text) {
+/// A reason as a sentence of its own, with a blank before it.
+std::string as_sentence(std::string text) {
     if (text.empty()) return "";
+    if (text[0] >= 'a' && text[0] <= 'z') text[0] += 'A' - 'a';
     return " " + text + (text.back() == '.' ? "" : ".");
 }
 
@@ -63,14 +65,14 @@ const RegionResult* reference_tissue(const RecoveryResult& result) {
 std::string finding_sentence(const RecoveryResult& result, const RegionResult& r) {
     if (r.verdict == "not identifiable")
         return fmt::format("The stiffness of {} cannot be told from these images.{}", r.name,
-                           sentence_end(r.reason));
+                           as_sentence(r.reason));
     std::string text =
         fmt::format("{}: {} kPa ({})", r.name, significant(r.stiffness_kpa), interval_text(r));
     if (const RegionResult* known = reference_tissue(result))
         text += fmt::format(", {} times {} ({} kPa, given)",
                             significant(r.stiffness_kpa / known->stiffness_kpa), known->name,
                             significant(known->stiffness_kpa));
-    return text + fmt::format(". Verdict: {}.{}", r.verdict, sentence_end(r.reason));
+    return text + fmt::format(". Verdict: {}.{}", r.verdict, as_sentence(r.reason));
 }
 
 std::string surfaces_sentence(const RecoveryResult& result) {

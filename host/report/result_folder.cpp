@@ -129,9 +129,38 @@ void rename_to_new(const fs::path& from, const fs::path& to) {
     fail_with_errno(to, "cannot be made");
 }
 
-}  // namespace
+/// Runs `action`; what the file system throws becomes Error(output_failed) about `folder`.
+template <typename Action>
+void with_clear_errors(const fs::path& folder, const Action& action) {
+    try {
+        action();
+    } catch (const fs::filesystem_error& e) {
+        fail(folder, fmt::format("cannot be written ({})", e.code().message()),
+             "check free space and permissions, or choose another folder with --out");
+    }
+}
 
-void check_result_folder(const fs::path& folder, bool overwrite) {
+void write_folder(const fs::path& folder, bool overwrite,
+                  const std::function<void(const fs::path&)>& fill) {
+    const fs::path target = resolved(folder);
+    const bool replaces = fs::exists(target);
+    if (replaces && !overwrite)
+        fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
+    Parents parents(target);
+    TemporaryFolder temporary(target);
+    fill(temporary.path());
+    sync_tree_to_disk(temporary.path());
+    if (replaces) {
+        exchange(temporary.path(), target);  // the destructor removes the old one
+    } else {
+        rename_to_new(temporary.path(), target);
+        temporary.keep();
+    }
+    parents.keep();
+    sync_to_disk(target.parent_path());
+}
+
+void check_folder(const fs::path& folder, bool overwrite) {
     const fs::path target = resolved(folder);
     if (fs::exists(target)) {
         if (!overwrite)
@@ -146,28 +175,15 @@ void check_result_folder(const fs::path& folder, bool overwrite) {
     if (::access(parent.c_str(), W_OK | X_OK) != 0) fail_with_errno(parent, "cannot be written to");
 }
 
+}  // namespace
+
+void check_result_folder(const fs::path& folder, bool overwrite) {
+    with_clear_errors(folder, [&] { check_folder(folder, overwrite); });
+}
+
 void write_folder_atomically(const fs::path& folder, bool overwrite,
                              const std::function<void(const fs::path&)>& fill) {
-    try {
-        const fs::path target = resolved(folder);
-        if (fs::exists(target) && !overwrite)
-            fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
-        Parents parents(target);
-        TemporaryFolder temporary(target);
-        fill(temporary.path());
-        sync_tree_to_disk(temporary.path());
-        if (fs::exists(target)) {
-            exchange(temporary.path(), target);  // the destructor removes the old one
-        } else {
-            rename_to_new(temporary.path(), target);
-            temporary.keep();
-        }
-        parents.keep();
-        sync_to_disk(target.parent_path());
-    } catch (const fs::filesystem_error& e) {
-        fail(folder, fmt::format("cannot be written ({})", e.code().message()),
-             "check free space and permissions, or choose another folder with --out");
-    }
+    with_clear_errors(folder, [&] { write_folder(folder, overwrite, fill); });
 }
 
 void write_text_file(const fs::path& path, const std::string& text) {

@@ -27,7 +27,7 @@ TEST(Findings, SayStiffnessIntervalRatioAndVerdict) {
 
     EXPECT_EQ(finding_sentence(result, result.regions[1]),
               "prostate, transition zone: 83.2 kPa (95 % interval 61.4 to 113 kPa), 8.32 times "
-              "background (10.0 kPa, given). Verdict: recovered. the interval is narrower than a "
+              "background (10.0 kPa, given). Verdict: recovered. The interval is narrower than a "
               "factor of 2.");
 }
 

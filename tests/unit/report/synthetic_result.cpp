@@ -80,6 +80,25 @@ std::vector<Vec3> normals_of(const Surface& s) {
     return normals;
 }
 
+/// Fills the organ with tets between its triangles and a node in its middle.
+void add_tets(const Organ& organ, const SurfaceResult& s, RecoveryResult& result) {
+    Mesh& mesh = result.mesh.mesh;
+    const Index middle = mesh.num_nodes();
+    mesh.nodes.push_back(organ.centre);
+    result.displacement.push_back(Vec3::Zero());
+    result.force.push_back(Vec3::Zero());
+    for (const Triangle& t : s.reference.triangles) {
+        const Tet tet{middle, s.node_of[t[0]], s.node_of[t[1]], s.node_of[t[2]]};
+        mesh.tets.push_back(tet);
+        if (tet_volume(mesh, mesh.num_tets() - 1) < 1e-3) {  // at the poles
+            mesh.tets.pop_back();
+            continue;
+        }
+        mesh.region.push_back(organ.region);
+        result.tet_stiffness_kpa.push_back(10.0 * organ.region);
+    }
+}
+
 SurfaceResult surface_result(const Organ& organ, RecoveryResult& result) {
     SurfaceResult s;
     s.region = organ.region;
@@ -101,6 +120,7 @@ SurfaceResult surface_result(const Organ& organ, RecoveryResult& result) {
         result.force.push_back(s.role == "driven" ? Vec3(3 * u) : Vec3(0, 0, 0));
         s.resultant_force_mn += result.force.back();
     }
+    add_tets(organ, s, result);
     s.target.triangles = s.reference.triangles;
     s.dice_before = moves ? 0.86 : 1;
     s.dice_after = moves ? 0.98 : 1;
@@ -117,8 +137,8 @@ SurfaceResult surface_result(const Organ& organ, RecoveryResult& result) {
 
 ImageGrid grid() {
     ImageGrid g;
-    g.size = {120, 130, 40};
-    g.spacing = {1, 1, 3};
+    g.size = {60, 65, 40};
+    g.spacing = {2, 2, 3};
     g.direction = Eigen::AngleAxisd(0.1, Vec3::UnitX()).toRotationMatrix();
     g.origin = -(g.direction * Vec3(60, 62, 54));
     return g;
@@ -138,7 +158,7 @@ LabelImage labels(double part) {
             for (Index i = 0; i < image.grid.size[0]; ++i) {
                 const Vec3 y = image.grid.to_point(Vec3(i, j, k));
                 Vec3 x = y;
-                for (int step = 0; step < 3; ++step) x = y - part * true_displacement(x);
+                for (int step = 0; step < 2; ++step) x = y - part * true_displacement(x);
                 const bool fixed = label_at(y) == 6;
                 image.voxels.push_back(fixed ? 6 : label_at(x));
             }
@@ -240,9 +260,6 @@ RecoveryResult synthetic_result() {
     r.reference_name = "SECRETPATIENT_reference.nii.gz";
     r.target_name = "SECRETPATIENT_target.nii.gz";
     for (const Organ& organ : organs()) r.surfaces.push_back(surface_result(organ, r));
-    r.mesh.mesh.tets = {{0, 49, 500, 900}, {1500, 1700, 2000, 2500}, {10, 2000, 3000, 4500}};
-    r.mesh.mesh.region = {2, 3, 1};
-    r.tet_stiffness_kpa = {83.24, 41.7, 10};
     add_regions(r);
     add_search(r);
     add_settings(r);

@@ -30,7 +30,7 @@ TEST(TextReport, AlignsItsColumns) {
         "prostate, transition zone      1  tissue               83.2    61.4 to 113  recovered");
     EXPECT_EQ(lines[5],
               "bladder                        3  driven                  -              -  hollow");
-    EXPECT_EQ(lines[13],
+    EXPECT_EQ(lines[14],
               "rectum *                   driven        0.860  0.980            0.58   0.11"
               "           3.73   0.25");
 }
