@@ -34,6 +34,7 @@ PALPATE_KERNEL void block_csr_apply(global const int* restrict row_start,
     y[at + (size_t)2 * num_columns] = sum.z;
 #else
     columns sum[9];
+#pragma unroll
     for (int i = 0; i < 9; ++i) sum[i] = (columns)(0);
     for (int k = row_start[node]; k < end; ++k) {
         global const real* block = blocks + (size_t)9 * k;
@@ -41,12 +42,14 @@ PALPATE_KERNEL void block_csr_apply(global const int* restrict row_start,
         const columns u0 = LOAD_COLUMNS(u);
         const columns u1 = LOAD_COLUMNS(u + num_columns);
         const columns u2 = LOAD_COLUMNS(u + (size_t)2 * num_columns);
+#pragma unroll
         for (int i = 0; i < 3; ++i) {
             sum[i] += block[i] * u0;
             sum[3 + i] += block[3 + i] * u1;
             sum[6 + i] += block[6 + i] * u2;
         }
     }
+#pragma unroll
     for (int i = 0; i < 3; ++i)
         STORE_COLUMNS(sum[i] + sum[3 + i] + sum[6 + i], y + at + (size_t)i * num_columns);
 #endif

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 //
-// Matrix-free product, node half: sums the element forces at each node, elements in ascending order.
-// One work item: one node, COLUMN_WIDTH columns; it alone writes the node's rows of y.
+// Matrix-free product, node half: sums the element forces at each node, elements in ascending
+// order. One work item: one node, COLUMN_WIDTH columns; it alone writes the node's rows of y.
 //   node_start    [num_nodes + 1] into node_corners
 //   node_corners  [4 num_elements] 4 element + local node
 //   forces        [num_elements, 4, 3, num_pass_columns] mN
@@ -26,8 +26,10 @@ PALPATE_KERNEL void gather_to_nodes(global const int* node_start, global const i
     for (int k = node_start[node]; k < end; ++k) {
         global const real* f =
             forces + (size_t)3 * node_corners[k] * num_pass_columns + pass_column;
+#pragma unroll
         for (int c = 0; c < 3; ++c) sum[c] += LOAD_COLUMNS(f + (size_t)c * num_pass_columns);
     }
+#pragma unroll
     for (int c = 0; c < 3; ++c) {
         const size_t dof = 3 * node + c;
         const size_t at = dof * num_columns + first_column + pass_column;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 //
-// Matrix-free product, element half: f_a = E V stress(grad u) grad N_a for the nodes a of an element.
-// One work item: one element, COLUMN_WIDTH columns.
+// Matrix-free product, element half: f_a = E V stress(grad u) grad N_a for the nodes a of an
+// element. One work item: one element, COLUMN_WIDTH columns.
 //   elements     [num_elements, 4] node numbers
 //   region       [num_elements]
 //   geometry     [num_elements, ELEMENT_REALS]
@@ -17,8 +17,9 @@
 #endif
 
 static inline vector3 load_node(global const real* x, global const uchar* prescribed, size_t node,
-                         size_t num_columns, size_t column) {
+                                size_t num_columns, size_t column) {
     vector3 u;
+#pragma unroll
     for (int c = 0; c < 3; ++c) {
         const size_t dof = 3 * node + c;
         u.c[c] = LOAD_COLUMNS(x + dof * num_columns + column);
@@ -40,7 +41,9 @@ PALPATE_KERNEL void stiffness_apply(global const int* elements, global const int
 
     const element_shape shape = load_element(geometry, element);
     tensor3 h;
+#pragma unroll
     for (int i = 0; i < 9; ++i) h.m[i] = (columns)(0);
+#pragma unroll
     for (int a = 0; a < NODES_PER_ELEMENT; ++a) {
         const size_t node = elements[NODES_PER_ELEMENT * element + a];
         const vector3 u =
@@ -51,8 +54,10 @@ PALPATE_KERNEL void stiffness_apply(global const int* elements, global const int
     const material law = load_material(unit_moduli, region[element]);
     const tensor3 stress = material_stress(&law, &h);
     const real scale = stiffness[region[element]] * shape.volume;
+#pragma unroll
     for (int a = 0; a < NODES_PER_ELEMENT; ++a) {
         const vector3 f = tensor_times(&stress, shape.gradient[a]);
+#pragma unroll
         for (int c = 0; c < 3; ++c) {
             const size_t slot = 3 * (NODES_PER_ELEMENT * element + a) + c;
             STORE_COLUMNS(scale * f.c[c], forces + slot * num_pass_columns + pass_column);

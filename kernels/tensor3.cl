@@ -16,7 +16,9 @@ static inline columns trace(const tensor3* a) { return a->m[0] + a->m[4] + a->m[
 static inline tensor3 symmetric_part(const tensor3* a) {
     const real half_of = (real)0.5;
     tensor3 s;
+#pragma unroll
     for (int i = 0; i < 3; ++i)
+#pragma unroll
         for (int j = 0; j < 3; ++j) s.m[3 * i + j] = half_of * (a->m[3 * i + j] + a->m[3 * j + i]);
     return s;
 }
@@ -24,19 +26,23 @@ static inline tensor3 symmetric_part(const tensor3* a) {
 // a : b, the sum over all entries of the products.
 static inline columns double_dot(const tensor3* a, const tensor3* b) {
     columns sum = a->m[0] * b->m[0];
+#pragma unroll
     for (int i = 1; i < 9; ++i) sum += a->m[i] * b->m[i];
     return sum;
 }
 
 // a += u (outer product) g, with g the same for every column.
 static inline void add_outer(tensor3* a, const vector3* u, const real* g) {
+#pragma unroll
     for (int i = 0; i < 3; ++i)
+#pragma unroll
         for (int j = 0; j < 3; ++j) a->m[3 * i + j] += u->c[i] * g[j];
 }
 
 // a g
 static inline vector3 tensor_times(const tensor3* a, const real* g) {
     vector3 y;
+#pragma unroll
     for (int i = 0; i < 3; ++i)
         y.c[i] = a->m[3 * i] * g[0] + a->m[3 * i + 1] * g[1] + a->m[3 * i + 2] * g[2];
     return y;

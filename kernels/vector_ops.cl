@@ -16,9 +16,9 @@ PALPATE_KERNEL void fill(global real* y, real value, ulong count) {
     if (i < count) y[i] = value;
 }
 
-// y_c = alpha_c x_c + beta_c y_c for the columns first_column ... of this launch, whose coefficients
-// start at entry 0. Where beta_c is 0 the old y does not matter (it may be NaN). x and y may be the
-// same. One work item: one row, COLUMN_WIDTH columns.
+// y_c = alpha_c x_c + beta_c y_c for the columns first_column ... of this launch, whose
+// coefficients start at entry 0. Where beta_c is 0 the old y does not matter (it may be NaN). x and
+// y may be the same. One work item: one row, COLUMN_WIDTH columns.
 PALPATE_KERNEL void axpby(coefficients alpha, global const real* x, coefficients beta,
                           global real* y, int num_rows, int num_columns, int first_column) {
     const size_t row = get_global_id(1);

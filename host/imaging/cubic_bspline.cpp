@@ -57,8 +57,8 @@ void to_bspline_coefficients(const std::array<Index, 3>& size, std::vector<float
     }
 }
 
-double bspline_value(const std::array<Index, 3>& size, const float* coefficients,
-                     const Vec3& index, Vec3* gradient) {
+double bspline_value(const std::array<Index, 3>& size, const float* coefficients, const Vec3& index,
+                     Vec3* gradient) {
     std::array<Index, 3> cell;
     std::array<Weights, 3> weights;
     for (int a = 0; a < 3; ++a) {
@@ -74,12 +74,12 @@ double bspline_value(const std::array<Index, 3>& size, const float* coefficients
         float plane = 0, plane_x = 0, plane_y = 0;
         for (int j = 0; j < 4; ++j) {
             const float* c = corner + j * row + k * slice;
-            const float line = wx.value[0] * c[0] + wx.value[1] * c[1] + wx.value[2] * c[2] +
-                               wx.value[3] * c[3];
+            const float line =
+                wx.value[0] * c[0] + wx.value[1] * c[1] + wx.value[2] * c[2] + wx.value[3] * c[3];
             plane += weights[1].value[j] * line;
             if (gradient) {
-                const float line_x = wx.slope[0] * c[0] + wx.slope[1] * c[1] +
-                                     wx.slope[2] * c[2] + wx.slope[3] * c[3];
+                const float line_x = wx.slope[0] * c[0] + wx.slope[1] * c[1] + wx.slope[2] * c[2] +
+                                     wx.slope[3] * c[3];
                 plane_x += weights[1].value[j] * line_x;
                 plane_y += weights[1].slope[j] * line;
             }
@@ -103,16 +103,17 @@ double bspline_derivative(const std::array<Index, 3>& size, const float* coeffic
         const Weights w = weights_at(t);
         const std::array<double, 4> curvature{1 - t, 3 * t - 2, 1 - 3 * t, t};
         for (int n = 0; n < 4; ++n) {
-            weights[a][n] = orders[a] == 0 ? w.value[n] : orders[a] == 1 ? w.slope[n] : curvature[n];
+            weights[a][n] = orders[a] == 0   ? w.value[n]
+                            : orders[a] == 1 ? w.slope[n]
+                                             : curvature[n];
         }
     }
     double sum = 0;
     for (int k = 0; k < 4; ++k) {
         for (int j = 0; j < 4; ++j) {
-            const float* row =
-                coefficients + (cell[0] - 1) +
-                std::size_t(size[0]) *
-                    ((cell[1] - 1 + j) + std::size_t(size[1]) * (cell[2] - 1 + k));
+            const float* row = coefficients + (cell[0] - 1) +
+                               std::size_t(size[0]) *
+                                   ((cell[1] - 1 + j) + std::size_t(size[1]) * (cell[2] - 1 + k));
             for (int i = 0; i < 4; ++i) {
                 sum += weights[0][i] * weights[1][j] * weights[2][k] * row[i];
             }

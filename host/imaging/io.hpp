@@ -18,6 +18,8 @@ namespace palpate {
 /// readable file that is not a 3D label volume.
 LabelImage read_label_image(const std::filesystem::path& path);
 
+/// Writes .nii, .nii.gz, .nrrd or .mha (8 bits per voxel if the labels allow, else 16, compressed),
+/// all or nothing. Throws Error(output_failed), Error(unsupported) for another ending.
 void write_label_image(const std::filesystem::path& path, const LabelImage& image);
 
 /// Writes a displacement field as a 5-D NIfTI with intent 1007 (vector). Components are LPS mm in

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-constexpr double padding_mm = 6;        // beyond the image; further out the field is constant
+constexpr double padding_mm = 6;         // beyond the image; further out the field is constant
 constexpr double stored_margin_mm = 10;  // round a region; further out the distance is added
 constexpr Index min_margin_voxels = 3;   // support of the spline and one sample more
 constexpr double absent_mm = 1e6;
@@ -73,14 +73,13 @@ void LabelField::find_boxes(const RegionImage& image) {
 void LabelField::store_around(Index region, const std::array<Index, 3>& pad) {
     Box& box = boxes_[region];
     for (int a = 0; a < 3; ++a) {
-        const Index margin =
-            margin_voxels(stored_margin_mm + 4 * smoothing_mm_, grid_.spacing[a]);
+        const Index margin = margin_voxels(stored_margin_mm + 4 * smoothing_mm_, grid_.spacing[a]);
         const Index last_voxel = grid_.size[a] - 1;
         const bool at_low = box.first[a] == 0, at_high = box.last[a] == last_voxel;
         // A region in the border slice runs on to the end of the padding.
         const Index low = std::max(-pad[a], at_low ? -pad[a] : box.first[a] - margin);
-        const Index high = std::min(last_voxel + pad[a],
-                                    at_high ? last_voxel + pad[a] : box.last[a] + margin);
+        const Index high =
+            std::min(last_voxel + pad[a], at_high ? last_voxel + pad[a] : box.last[a] + margin);
         box.cut = box.cut || at_low || at_high;
         box.low[a] = low;
         box.size[a] = high - low + 1;
@@ -110,8 +109,7 @@ void LabelField::build_region(const RegionImage& image, Index region) {
 
 Vec3 LabelField::clamped_index(const Box& box, const Vec3& point, Vec3& beyond,
                                std::array<bool, 3>& held) const {
-    const Vec3 index =
-        grid_.to_index(point) - Vec3(box.low[0], box.low[1], box.low[2]);
+    const Vec3 index = grid_.to_index(point) - Vec3(box.low[0], box.low[1], box.low[2]);
     const Vec3 clamped = clamped_to_support(box.size, index);
     for (int a = 0; a < 3; ++a) {
         const double offset = index[a] - clamped[a];

@@ -13,16 +13,17 @@ namespace palpate {
 /// negative inside), so that the region at a point is the one with the smallest value and
 /// interfaces are smooth surfaces. Regions that are absent have an empty field.
 ///
-/// Built from the signed distance of each mask to the surface of its voxels taken as boxes (the same
-/// for a mask and its complement, hence unbiased), smoothed by a Gaussian with its shrinkage taken
-/// out (`smooth_without_shrinking`), sampled on the voxel grid, and interpolated by cubic B-splines.
-/// Beyond the image the border slices continue outward: an organ that the field of view cuts keeps
-/// running straight, so that its surface has no false end.
-/// Memory: 4 bytes per voxel of each region's box with 10 mm around. Const calls are thread safe.
+/// Built from the signed distance of each mask to the surface of its voxels taken as boxes (the
+/// same for a mask and its complement, hence unbiased), smoothed by a Gaussian with its shrinkage
+/// taken out (`smooth_without_shrinking`), sampled on the voxel grid, and interpolated by cubic
+/// B-splines. Beyond the image the border slices continue outward: an organ that the field of view
+/// cuts keeps running straight, so that its surface has no false end. Memory: 4 bytes per voxel of
+/// each region's box with 10 mm around. Const calls are thread safe.
 class LabelField {
 public:
-    /// `smoothing_mm` is the Gaussian standard deviation; 0 chooses 0.9 x the geometric mean spacing.
-    /// Throws Error(invalid_argument) for an empty image or a region number >= num_regions.
+    /// `smoothing_mm` is the Gaussian standard deviation; 0 chooses 0.9 x the geometric mean
+    /// spacing. Throws Error(invalid_argument) for an empty image or a region number >=
+    /// num_regions.
     LabelField(const RegionImage& image, Index num_regions, double smoothing_mm = 0);
 
     const ImageGrid& grid() const { return grid_; }
@@ -54,8 +55,8 @@ private:
     struct Box {
         std::array<Index, 3> first{0, 0, 0}, last{-1, -1, -1};  ///< voxels of the region in `grid_`
         bool cut = false;
-        std::array<Index, 3> low{0, 0, 0}, size{0, 0, 0};       ///< stored samples in `grid_`
-        std::array<std::array<bool, 2>, 3> is_image_end{};      ///< per axis, low and high
+        std::array<Index, 3> low{0, 0, 0}, size{0, 0, 0};   ///< stored samples in `grid_`
+        std::array<std::array<bool, 2>, 3> is_image_end{};  ///< per axis, low and high
     };
     void find_boxes(const RegionImage& image);
     void store_around(Index region, const std::array<Index, 3>& pad);

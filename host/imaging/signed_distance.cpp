@@ -53,9 +53,9 @@ private:
     Index count_ = 0;
 };
 
-/// One axis of the squared distance to boxes: out[x] = min over y of in[y] + max(0, |x - y| - 1/2)^2
-/// h^2. The faces of box y are at y +- 1/2; a parabola on the face i + 1/2 carries the lower of
-/// in[i], in[i + 1].
+/// One axis of the squared distance to boxes: out[x] = min over y of in[y] + max(0, |x - y| -
+/// 1/2)^2 h^2. The faces of box y are at y +- 1/2; a parabola on the face i + 1/2 carries the lower
+/// of in[i], in[i + 1].
 void squared_distance_line(float* block, Index length, Envelope& envelope) {
     for (Index w = 0; w < lines_per_block; ++w) {
         float* line = block + w;

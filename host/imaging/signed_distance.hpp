@@ -12,7 +12,8 @@ namespace palpate {
 
 /// Signed distance (mm, negative inside) from every voxel centre to the surface of the union of the
 /// marked voxels, taken as boxes. Exact, and the same for a mask and its complement up to the sign,
-/// so that a plane or a sphere is not shifted (distances between voxel centres are: by half a voxel).
+/// so that a plane or a sphere is not shifted (distances between voxel centres are: by half a
+/// voxel).
 ///   mask     [size[0] * size[1] * size[2]], 1 inside, index 0 fastest
 ///   spacing  mm per axis
 /// A mask that is empty or full gives +-`distance_to_nothing_mm`.

@@ -67,9 +67,9 @@ std::string finding_sentence(const RecoveryResult& result, const RegionResult& r
     std::string text =
         fmt::format("{}: {} kPa ({})", r.name, significant(r.stiffness_kpa), interval_text(r));
     if (const RegionResult* known = reference_tissue(result))
-        text += fmt::format(", {} times the {} kPa given for {}",
-                            significant(r.stiffness_kpa / known->stiffness_kpa),
-                            significant(known->stiffness_kpa), known->name);
+        text += fmt::format(", {} times {} ({} kPa, given)",
+                            significant(r.stiffness_kpa / known->stiffness_kpa), known->name,
+                            significant(known->stiffness_kpa));
     return text + fmt::format(". Verdict: {}.{}", r.verdict, sentence_end(r.reason));
 }
 

@@ -34,9 +34,9 @@ std::string interval_text(const RegionResult& r) {
 std::string ratio_text(const RecoveryResult& result, const RegionResult& r) {
     const RegionResult* known = reference_tissue(result);
     if (!known) return "";
-    return fmt::format("<p>{} × the {} kPa given for {}</p>",
+    return fmt::format("<p>{} × {} ({} kPa, given)</p>",
                        significant(r.stiffness_kpa / known->stiffness_kpa),
-                       significant(known->stiffness_kpa), escape_html(known->name));
+                       escape_html(known->name), significant(known->stiffness_kpa));
 }
 
 std::string finding_card(const RecoveryResult& result, const RegionResult& r) {
@@ -107,7 +107,7 @@ std::string headline_html(const RecoveryResult& result) {
     }
     if (parts.empty()) return "Deformation and forces; no modulus was unknown";
     std::string text;
-    for (std::size_t i = 0; i < parts.size(); ++i) text += (i ? ", " : "") + parts[i];
+    for (std::size_t i = 0; i < parts.size(); ++i) text += (i ? " · " : "") + parts[i];
     return escape_html("Stiffness: " + text);
 }
 

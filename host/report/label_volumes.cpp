@@ -174,8 +174,14 @@ LabelVolumes label_volumes(const RecoveryResult& result, std::size_t max_voxels)
         ++sampling.step;
         for (int a = 0; a < 3; ++a) volumes.size[a] = sampling.length(a);
     }
-    for (int a = 0; a < 3; ++a)
-        volumes.spacing[a] = sampling.step * reference.grid.spacing[sampling.order.axis[a]];
+    for (int a = 0; a < 3; ++a) {
+        const int g = sampling.order.axis[a];
+        volumes.spacing[a] = sampling.step * reference.grid.spacing[g];
+        volumes.axes.col(a) =
+            (sampling.order.flipped[a] ? -1 : 1) * reference.grid.direction.col(g);
+    }
+    const auto first = sampling.to_grid({0, 0, 0});
+    volumes.origin = reference.grid.to_point(Vec3(first[0], first[1], first[2]));
     volumes.tilt_deg = sampling.order.tilt_deg;
     volumes.reference = sampled(*images[0], reference.grid, table, sampling, volumes);
     volumes.target = sampled(*images[1], reference.grid, table, sampling, volumes);

@@ -15,9 +15,11 @@ namespace palpate {
 /// left, back and head (+x, +y, +z in LPS). Voxel value: 0 or 1 + position in `regions`.
 struct LabelVolumes {
     std::array<Index, 3> size{0, 0, 0};
-    Vec3 spacing = Vec3::Ones();  ///< mm
-    double tilt_deg = 0;          ///< largest angle between a grid and a patient axis
-    std::vector<Index> regions;   ///< organs in order, region numbers
+    Vec3 spacing = Vec3::Ones();   ///< mm
+    Vec3 origin = Vec3::Zero();    ///< LPS mm of the centre of voxel (0, 0, 0)
+    Mat3 axes = Mat3::Identity();  ///< columns: unit vectors of the three axes, LPS
+    double tilt_deg = 0;           ///< largest angle between a grid and a patient axis
+    std::vector<Index> regions;    ///< organs in order, region numbers
     std::vector<std::uint8_t> reference, target, warped;  ///< index 0 fastest
     std::array<Index, 3> centre{0, 0, 0};  ///< where the first slices lie: in the unknown organs
 

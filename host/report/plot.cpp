@@ -25,9 +25,10 @@ bool drawable(const PlotAxis& axis, double value) {
 
 std::vector<double> log_ticks(const PlotAxis& axis) {
     const double decades = std::log10(axis.high / axis.low);
-    const std::vector<double> steps = decades > 2.5   ? std::vector<double>{1}
-                                      : decades > 0.9 ? std::vector<double>{1, 2, 5}
-                                                      : std::vector<double>{1, 1.5, 2, 3, 4, 5, 7};
+    const std::vector<double> steps = decades > 2.5 ? std::vector<double>{1}
+                                      : decades > 0.9
+                                          ? std::vector<double>{1, 2, 5}
+                                          : std::vector<double>{1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8};
     const double stride = decades > 7 ? std::ceil(decades / 6) : 1;
     std::vector<double> ticks;
     for (double e = std::floor(std::log10(axis.low)); e <= std::log10(axis.high); e += stride)
@@ -109,8 +110,9 @@ void Plot::band(double x_low, double x_high, const std::string& colour) {
 void Plot::horizontal_rule(double y, const std::string& text) {
     if (!drawable(y_, y) || y < y_.low || y > y_.high) return;
     over_ += fmt::format("<path class='rule' d='M{} {:.1f}H{}'/>", left, y_of(y), width_ - right);
+    // Left of the middle: there a profile leaves room above its minimum.
     labels_ += fmt::format("<text class='note' x='{}' y='{:.1f}' text-anchor='end'>{}</text>",
-                           width_ - right - 4, y_of(y) - 5, escape_html(text));
+                           (left + width_ - right) / 2 - 8, y_of(y) - 5, escape_html(text));
 }
 
 void Plot::vertical_rule(double x, const std::string& text, const std::string& colour) {

@@ -79,13 +79,17 @@ Json volumes_json(const RecoveryResult& result, const LabelVolumes& volumes) {
     for (Index region : volumes.regions)
         organs.push_back(
             {{"name", region_name(result, region)}, {"colour", region_colour(result, region)}});
-    return {{"size", volumes.size},
-            {"spacing_mm", {volumes.spacing[0], volumes.spacing[1], volumes.spacing[2]}},
-            {"centre", volumes.centre},
-            {"organs", organs},
-            {"reference", to_base64(run_lengths(volumes.reference))},
-            {"target", to_base64(run_lengths(volumes.target))},
-            {"warped", to_base64(run_lengths(volumes.warped))}};
+    const auto list = [](const auto& v) { return Json{v[0], v[1], v[2]}; };
+    return {
+        {"size", volumes.size},
+        {"spacing_mm", list(volumes.spacing)},
+        {"origin_mm", list(volumes.origin)},
+        {"axes", {list(volumes.axes.col(0)), list(volumes.axes.col(1)), list(volumes.axes.col(2))}},
+        {"centre", volumes.centre},
+        {"organs", organs},
+        {"reference", to_base64(run_lengths(volumes.reference))},
+        {"target", to_base64(run_lengths(volumes.target))},
+        {"warped", to_base64(run_lengths(volumes.warped))}};
 }
 
 /// Inside a <script> element "</script" and "<!--" must not occur; in JSON "<" may be escaped.

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "host/imaging/label_image.hpp"
+#include "host/inverse/records.hpp"
 #include "host/meshing/mesher.hpp"
+#include "host/modelling/alignment.hpp"
 #include "host/modelling/settings.hpp"
 #include "host/surfaces/surface.hpp"
 #include "solver/backend/backend.hpp"
@@ -48,33 +50,6 @@ struct SurfaceResult {
     std::vector<double> distance_before_mm;  ///< signed, per vertex of `reference`, before
     std::vector<double> distance_after_mm;
     Surface target;                          ///< target surface, aligned, without caps
-};
-
-/// The objective along ln E of one unknown modulus, other unknowns re-estimated.
-struct ProfileResult {
-    Index region = 0;
-    std::vector<double> stiffness_kpa;
-    std::vector<double> objective;           ///< minus its minimum: 1.92 is the 95 % line
-};
-
-struct IterationRecord {
-    int iteration = 0;
-    double objective = 0;
-    double gradient_norm = 0;                ///< scaled by the posterior sd
-    double step = 0;
-    std::vector<double> stiffness_kpa;       ///< unknown moduli, in region order
-};
-
-struct AlignmentResult {
-    std::string method;                      ///< "fixed", "centroid", "none", "transform"
-    RigidTransform reference_to_target;
-    double mean_distance_mm = 0;             ///< of the fixed surfaces after it, if any
-};
-
-struct Termination {
-    bool converged = false;
-    std::string reason;
-    int iterations = 0;
 };
 
 struct RecoveryResult {

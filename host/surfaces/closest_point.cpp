@@ -61,8 +61,8 @@ struct ClosestPointQuery::Tree {
         std::vector<Vec3> centres(count);
         for (Index t = 0; t < count; ++t) {
             const Triangle& v = surface.triangles[t];
-            centres[t] = (surface.vertices[v[0]] + surface.vertices[v[1]] +
-                          surface.vertices[v[2]]) / 3;
+            centres[t] =
+                (surface.vertices[v[0]] + surface.vertices[v[1]] + surface.vertices[v[2]]) / 3;
         }
         nodes.reserve(2 * std::size_t(count) / leaf_size + 2);
         build(surface, centres, 0, count);
@@ -206,9 +206,8 @@ SurfaceDistance surface_distance(const Surface& from, const Surface& to) {
         by_distance.push_back(v);
     }
     result.rms_mm = std::sqrt(result.rms_mm);
-    std::sort(by_distance.begin(), by_distance.end(), [&](Index a, Index b) {
-        return closest[a].distance_mm < closest[b].distance_mm;
-    });
+    std::sort(by_distance.begin(), by_distance.end(),
+              [&](Index a, Index b) { return closest[a].distance_mm < closest[b].distance_mm; });
     double covered = 0;
     for (Index v : by_distance) {
         covered += areas[v] / total;

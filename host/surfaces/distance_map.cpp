@@ -61,8 +61,8 @@ ImageGrid grid_over(const ImageGrid& along, const Vec3& low, const Vec3& high, d
     grid.origin = along.to_point(low);
     grid.spacing = Vec3::Constant(h);
     for (int a = 0; a < 3; ++a) {
-        grid.size[a] =
-            std::max(4, static_cast<Index>(std::ceil((high[a] - low[a]) * along.spacing[a] / h)) + 1);
+        grid.size[a] = std::max(
+            4, static_cast<Index>(std::ceil((high[a] - low[a]) * along.spacing[a] / h)) + 1);
     }
     return grid;
 }
@@ -94,7 +94,8 @@ std::vector<float> sample_level(const LabelField& field, Index region, const Reg
     const double band = 2 * field.grid().spacing.maxCoeff() + 2 * h;
     const auto [first, last] = field.voxel_box(region);
     Range near = range_around(field, region, field.grid().spacing.maxCoeff() + 3 * h);
-    for (int a = 0; a < 3; ++a) {  // where the image cuts the region, its surface goes on to the end
+    for (int a = 0; a < 3;
+         ++a) {  // where the image cuts the region, its surface goes on to the end
         if (first[a] == 0) near.low[a] = -1e9;
         if (last[a] == field.grid().size[a] - 1) near.high[a] = 1e9;
     }
@@ -116,8 +117,8 @@ std::vector<float> sample_level(const LabelField& field, Index region, const Reg
     return samples;
 }
 
-/// Triangles cut the corners of a curved surface: adds what is left of the level at the closest point
-/// (a step of Newton's method), near the surface, where it matters.
+/// Triangles cut the corners of a curved surface: adds what is left of the level at the closest
+/// point (a step of Newton's method), near the surface, where it matters.
 void correct_for_facets(const Surface& surface, const RegionLevel& level, const ImageGrid& grid,
                         const NearestTriangles& nearest, std::vector<float>& distances) {
     constexpr double reach_mm = 8;

@@ -10,9 +10,9 @@
 namespace palpate {
 
 /// Signed distance (mm, negative inside) to the interface of one region, twice differentiable:
-/// exact distances to the zero level of a `LabelField`, sampled on a regular grid and interpolated by
-/// cubic B-splines. This is the smooth closest point of the inverse problem: the closest point of
-/// y is y - d(y) grad d(y), without the kinks of a faceted surface.
+/// exact distances to the zero level of a `LabelField`, sampled on a regular grid and interpolated
+/// by cubic B-splines. This is the smooth closest point of the inverse problem: the closest point
+/// of y is y - d(y) grad d(y), without the kinks of a faceted surface.
 class DistanceMap {
 public:
     /// The map reaches `margin_mm` beyond the region's voxels; further out it continues linearly.

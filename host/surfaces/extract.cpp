@@ -84,7 +84,11 @@ SurfaceComplex make_complex(const RegionImage& image, const LabelField& field,
     relax_staircase(complex, interfaces, 0.5 * lattice.spacing, 6);
     const SizeField size(lattice, edge, options.outer_edge_length_mm);
     remesh(complex, interfaces, size, attempt.rounds);
-    match_volumes(complex, interfaces, volumes, 4);
+    for (int round = 0; round < 3; ++round) {
+        match_volumes(complex, interfaces, volumes, 2);
+        polish(complex, interfaces, size);
+    }
+    match_volumes(complex, interfaces, volumes, 2);
     untangle(complex, 12);
     return complex;
 }

@@ -199,6 +199,8 @@ Surroundings surroundings(const LabelLattice& lattice, Index i, Index j, Index k
                                              std::clamp<Index>(b, 0, n[1] - 1),
                                              std::clamp<Index>(c, 0, n[2] - 1));
     const std::uint8_t own = labels[13];
+    if (std::all_of(labels.begin(), labels.end(), [own](auto label) { return label == own; }))
+        return {own, true};
     std::sort(labels.begin(), labels.end());
     std::uint8_t best = own;
     int most = 0, kinds = 0;
@@ -207,7 +209,7 @@ Surroundings surroundings(const LabelLattice& lattice, Index i, Index j, Index k
         if (end - begin > most || (end - begin == most && labels[begin] == own))
             most = end - begin, best = labels[begin];
     }
-    return {kinds < 3 ? own : best, kinds == 1};
+    return {kinds < 3 ? own : best, false};
 }
 
 }  // namespace

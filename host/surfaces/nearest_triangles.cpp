@@ -37,8 +37,8 @@ public:
             std::array<Index, 3> first, last;
             for (int axis = 0; axis < 3; ++axis) {
                 first[axis] = std::max(0, static_cast<Index>(std::ceil(low[axis] - 2)));
-                last[axis] = std::min(grid_.size[axis] - 1,
-                                      static_cast<Index>(std::floor(high[axis] + 2)));
+                last[axis] =
+                    std::min(grid_.size[axis] - 1, static_cast<Index>(std::floor(high[axis] + 2)));
             }
             for (Index k = first[2]; k <= last[2]; ++k)
                 for (Index j = first[1]; j <= last[1]; ++j)
@@ -49,8 +49,8 @@ public:
 
     /// One sweep; bit a of `direction` set: axis a runs downward.
     void sweep(int direction) {
-        const std::array<std::ptrdiff_t, 3> stride{
-            1, grid_.size[0], std::ptrdiff_t(grid_.size[0]) * grid_.size[1]};
+        const std::array<std::ptrdiff_t, 3> stride{1, grid_.size[0],
+                                                   std::ptrdiff_t(grid_.size[0]) * grid_.size[1]};
         std::array<Index, 3> first, step;
         std::array<std::ptrdiff_t, 3> to_previous;
         for (int a = 0; a < 3; ++a) {

@@ -14,6 +14,7 @@ using Kind = SurfaceComplex::Kind;
 
 constexpr double degree = 3.14159265358979323846 / 180;
 const double acceptable_cosine = std::cos(25 * degree);        // of an angle in a triangle
+const double tolerable_cosine = std::cos(15 * degree);
 const double needle_cosine = std::cos(10 * degree);
 const double acceptable_wedge_cosine = std::cos(35 * degree);  // between faces at an edge
 
@@ -27,7 +28,7 @@ struct Work {
 
 // Whether a face keeps its side and stays (or becomes) well shaped when one corner moves.
 bool keeps_shape(const SurfaceComplex& complex, const Face& face, Index moved, const Vec3& to,
-                 double min_turn_cosine) {
+                 double min_turn_cosine, double max_cosine = acceptable_cosine) {
     const double old = largest_cosine(complex.points[face.v[0]], complex.points[face.v[1]],
                                       complex.points[face.v[2]]);
     std::array<Vec3, 3> p;
@@ -38,7 +39,7 @@ bool keeps_shape(const SurfaceComplex& complex, const Face& face, Index moved, c
     const bool is_needle = old > needle_cosine && face.plane < 0;
     if (!is_needle && !(after.dot(before) > min_turn_cosine * after.norm() * before.norm()))
         return false;
-    return cosine <= std::max(acceptable_cosine, old);
+    return cosine <= std::max(max_cosine, old);
 }
 
 // Cosine of the sharpest angle between two faces at the edge (u, v), seen across the edge.
@@ -70,11 +71,22 @@ double sharpest_wedge_around(const SurfaceComplex& complex, Index vertex) {
     return cosine;
 }
 
+// Whether all faces of a vertex lie on one plane of the box: then nothing can get sharp.
+bool is_on_flat_face(const SurfaceComplex& complex, Index vertex) {
+    const auto& faces = complex.faces_of[vertex];
+    const std::int8_t plane = complex.faces[faces.front()].plane;
+    return plane >= 0 && std::all_of(faces.begin(), faces.end(), [&](Index f) {
+               return complex.faces[f].plane == plane;
+           });
+}
+
 // Moves a vertex as far along the way as all its faces allow.
 void move_guarded(SurfaceComplex& complex, Index vertex, const Vec3& to) {
     constexpr double min_turn_cosine = 0.5;
     const Vec3 from = complex.points[vertex];
-    const double wedge = std::max(sharpest_wedge_around(complex, vertex), acceptable_wedge_cosine);
+    const bool may_get_sharp = !is_on_flat_face(complex, vertex);
+    const double wedge =
+        may_get_sharp ? std::max(sharpest_wedge_around(complex, vertex), acceptable_wedge_cosine) : 1;
     for (double share : {1.0, 0.5, 0.25}) {
         const Vec3 place = from + share * (to - from);
         const auto fine = [&](Index f) {
@@ -82,7 +94,7 @@ void move_guarded(SurfaceComplex& complex, Index vertex, const Vec3& to) {
         };
         if (std::all_of(complex.faces_of[vertex].begin(), complex.faces_of[vertex].end(), fine)) {
             complex.points[vertex] = place;
-            if (sharpest_wedge_around(complex, vertex) <= wedge) return;
+            if (!may_get_sharp || sharpest_wedge_around(complex, vertex) <= wedge) return;
             complex.points[vertex] = from;
         }
     }
@@ -170,6 +182,12 @@ void split_long_edges(Work& work) {
     }
 }
 
+Work work_on(SurfaceComplex& complex, const EdgeLengthAt& edge_length) {
+    Work work{complex, std::vector<double>(complex.points.size())};
+    for (Index v = 0; v < Index(complex.points.size()); ++v) work.wanted[v] = edge_length(complex, v);
+    return work;
+}
+
 struct Collapse {
     Index removed, kept;
     Vec3 place;
@@ -228,16 +246,18 @@ bool touches_box(const SurfaceComplex& complex, const Face& face, Index removed,
 }
 
 bool keeps_geometry(const Work& work, const Collapse& collapse) {
-    constexpr double longest = 4.0 / 3.0, tiny = 0.4;
+    constexpr double tiny = 0.4;
     const SurfaceComplex& complex = work.complex;
     const bool is_tiny = work.length(collapse.removed, collapse.kept) <
                          tiny * work.wanted_at(collapse.removed, collapse.kept);
-    const double min_turn_cosine = is_tiny ? 0.3 : 0.7;
+    // a tiny edge does more harm than the narrow or long faces that its collapse may leave
+    const double min_turn_cosine = is_tiny ? 0.3 : 0.7, longest = is_tiny ? 1.8 : 4.0 / 3.0;
+    const double max_cosine = is_tiny ? tolerable_cosine : acceptable_cosine;
     for (Index vertex : {collapse.removed, collapse.kept})
         for (Index f : complex.faces_of[vertex]) {
             const Face& face = complex.faces[f];
             if (face.has(collapse.removed) && face.has(collapse.kept)) continue;
-            if (!keeps_shape(complex, face, vertex, collapse.place, min_turn_cosine)) return false;
+            if (!keeps_shape(complex, face, vertex, collapse.place, min_turn_cosine, max_cosine)) return false;
             if (vertex == collapse.removed &&
                 touches_box(complex, face, collapse.removed, collapse.kept))
                 return false;
@@ -285,8 +305,8 @@ bool try_collapse(Work& work, Index u, Index v) {
     return false;
 }
 
-void collapse_short_edges(Work& work) {
-    constexpr double shortest = 4.0 / 5.0;
+// Collapses edges below `shortest` times the wanted length.
+void collapse_short_edges(Work& work, double shortest) {
     std::vector<std::pair<double, std::array<Index, 2>>> edges;
     for (const auto& [u, v] : work.complex.edges()) {
         const double ratio = work.length(u, v) / work.wanted_at(u, v);
@@ -344,6 +364,20 @@ void flip_edges(SurfaceComplex& complex) {
     for (const auto& [u, v] : complex.edges()) try_flip(complex, u, v);
 }
 
+// Along the box only the box's own vertices count.
+Vec3 middle_of_neighbours(const SurfaceComplex& complex, Index vertex) {
+    std::vector<Index> around;
+    neighbours(complex, vertex, around);
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+    for (Index v : around) {
+        if ((complex.planes[v] & complex.planes[vertex]) != complex.planes[vertex]) continue;
+        sum += complex.points[v];
+        ++count;
+    }
+    return count > 0 ? keep_on_planes(complex, vertex, sum / count) : complex.points[vertex];
+}
+
 }  // namespace
 
 void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, const Vec3& reach_mm,
@@ -361,18 +395,7 @@ void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, cons
 }
 
 void even_out(SurfaceComplex& complex, Index vertex) {
-    std::vector<Index> around;
-    neighbours(complex, vertex, around);
-    Vec3 sum = Vec3::Zero();
-    int count = 0;
-    for (Index v : around) {
-        // along the box only the box's own vertices count
-        if ((complex.planes[v] & complex.planes[vertex]) != complex.planes[vertex]) continue;
-        sum += complex.points[v];
-        ++count;
-    }
-    if (count == 0) return;
-    complex.points[vertex] = keep_on_planes(complex, vertex, sum / count);
+    complex.points[vertex] = middle_of_neighbours(complex, vertex);
 }
 
 void settle(SurfaceComplex& complex, const Interfaces& interfaces, double spread) {
@@ -391,16 +414,29 @@ void settle(SurfaceComplex& complex, const Interfaces& interfaces, double spread
 void remesh(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLengthAt& edge_length,
             int rounds) {
     for (int round = 0; round < rounds; ++round) {
-        Work work{complex, std::vector<double>(complex.points.size())};
-        for (Index v = 0; v < Index(complex.points.size()); ++v)
-            work.wanted[v] = edge_length(complex, v);
+        Work work = work_on(complex, edge_length);
         if (round > 0) split_long_edges(work);
-        collapse_short_edges(work);
+        collapse_short_edges(work, 4.0 / 5.0);
         flip_edges(complex);
         complex.compact();
         settle(complex, interfaces, 0.7);
         settle(complex, interfaces, 0.7);
     }
+}
+
+void polish(SurfaceComplex& complex, const Interfaces& interfaces,
+            const EdgeLengthAt& edge_length) {
+    Work work = work_on(complex, edge_length);
+    collapse_short_edges(work, 0.5);
+    flip_edges(complex);
+    complex.compact();
+    for (const auto& [u, v] : complex.edges()) {
+        if (sharpest_wedge(complex, u, v) <= acceptable_wedge_cosine) continue;
+        for (Index vertex : {u, v})
+            if (complex.kind(vertex) != Kind::corner)
+                move_guarded(complex, vertex, middle_of_neighbours(complex, vertex));
+    }
+    settle(complex, interfaces, 0.5);
 }
 
 }  // namespace palpate

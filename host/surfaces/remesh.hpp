@@ -25,6 +25,10 @@ void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, cons
 void remesh(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLengthAt& edge_length,
             int rounds);
 
+/// Collapses the edges that stayed far too short, flips, and opens wedges between faces that are too
+/// sharp for tetrahedra.
+void polish(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLengthAt& edge_length);
+
 /// One round of moving vertices, guarded so that no face turns over or degenerates: `spread` of the
 /// way to the middle of their neighbours along surface or curve (0: not at all), then onto the
 /// interfaces.

@@ -62,18 +62,22 @@ private:
         std::array<int, 4> inside, outside;
         int num_inside = 0, num_outside = 0;
         for (int corner : tet) {
-            if (values[corner] < 0) inside[num_inside++] = corner;
-            else outside[num_outside++] = corner;
+            if (values[corner] < 0)
+                inside[num_inside++] = corner;
+            else
+                outside[num_outside++] = corner;
         }
         if (num_inside == 0 || num_outside == 0) return;
         const Vec3 outward = point(node, outside[0]) - point(node, inside[0]);
         auto vertex = [&](int a, int b) { return vertex_on(node, a, b); };
         if (num_inside == 1) {
             add({vertex(inside[0], outside[0]), vertex(inside[0], outside[1]),
-                 vertex(inside[0], outside[2])}, outward);
+                 vertex(inside[0], outside[2])},
+                outward);
         } else if (num_inside == 3) {
             add({vertex(inside[0], outside[0]), vertex(inside[1], outside[0]),
-                 vertex(inside[2], outside[0])}, outward);
+                 vertex(inside[2], outside[0])},
+                outward);
         } else {
             const Index a = vertex(inside[0], outside[0]), b = vertex(inside[0], outside[1]),
                         c = vertex(inside[1], outside[1]), d = vertex(inside[1], outside[0]);
@@ -109,8 +113,7 @@ private:
 
     static Vec3 point_on(const Edge& e, double t) { return e.inside + t * (e.outside - e.inside); }
 
-    static Vec3 zero_on_edge(const Edge& edge,
-                             const std::function<double(const Vec3&)>& function) {
+    static Vec3 zero_on_edge(const Edge& edge, const std::function<double(const Vec3&)>& function) {
         double low = 0, high = 1, f_low = edge.value_inside, f_high = edge.value_outside;
         double t = linear_zero(edge);
         for (int step = 0; step < 2; ++step) {

@@ -18,6 +18,7 @@ typedef struct {
 static inline element_shape load_element(global const real* geometry, size_t element) {
     global const real* g = geometry + ELEMENT_REALS * element;
     element_shape shape;
+#pragma unroll
     for (int c = 0; c < 3; ++c) {
         shape.gradient[1][c] = g[c];
         shape.gradient[2][c] = g[3 + c];
@@ -31,14 +32,18 @@ static inline element_shape load_element(global const real* geometry, size_t ele
 // Writes the numbers of one element from its edges d1, d2, d3 (mm).
 static inline void store_element(global const real* edges, global real* geometry, size_t element) {
     wide d[3][3];
+#pragma unroll
     for (int a = 0; a < 3; ++a)
+#pragma unroll
         for (int c = 0; c < 3; ++c) d[a][c] = edges[EDGE_REALS * element + 3 * a + c];
     wide n[3][3];
     cross_wide(d[1], d[2], n[0]);
     cross_wide(d[2], d[0], n[1]);
     cross_wide(d[0], d[1], n[2]);
     const wide determinant = dot_wide(d[0], n[0]);
+#pragma unroll
     for (int a = 0; a < 3; ++a)
+#pragma unroll
         for (int c = 0; c < 3; ++c)
             geometry[ELEMENT_REALS * element + 3 * a + c] = (real)(n[a][c] / determinant);
     geometry[ELEMENT_REALS * element + 9] = (real)(determinant / (wide)6);

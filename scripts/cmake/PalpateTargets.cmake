@@ -10,12 +10,9 @@ if(PALPATE_SANITIZE)
                                                    -fno-omit-frame-pointer)
   target_link_options(palpate_options INTERFACE -fsanitize=address,undefined)
 endif()
-target_link_libraries(palpate_options INTERFACE Eigen3::Eigen Threads::Threads)
-
-# Dense linear algebra through BLAS/LAPACK for the few targets that live on it.
-add_library(palpate_dense INTERFACE)
-target_compile_definitions(palpate_dense INTERFACE EIGEN_USE_BLAS)
-target_link_libraries(palpate_dense INTERFACE LAPACK::LAPACK BLAS::BLAS)
+# Eigen's dense algebra runs on BLAS everywhere: one definition of its templates in the whole program.
+target_compile_definitions(palpate_options INTERFACE EIGEN_USE_BLAS)
+target_link_libraries(palpate_options INTERFACE Eigen3::Eigen Threads::Threads BLAS::BLAS)
 
 # palpate_layer(<name> [SOURCES a.cpp ...] [LINKS target ...]): one folder, one target named
 # palpate_<name>. Without sources it is header only. Links are the layers it may include.

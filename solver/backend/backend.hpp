@@ -45,6 +45,7 @@ public:
     virtual BackendInfo describe() const = 0;
 
     /// Brings mesh, materials and prescribed flags to the device and computes element stiffness.
+    /// Calls `check_model` first: no node number outside the mesh ever reaches a device.
     virtual void prepare(const Model& model) = 0;
     /// New Young's moduli [num materials], kPa, for the prepared model; geometry is kept.
     virtual void set_stiffness(std::span<const double> stiffness_kpa) = 0;

@@ -67,7 +67,9 @@ void ConstrainedSystem::parallel_residual(const Columns& b, const Columns& x, Co
 }
 
 std::vector<double> finite_norms(const Columns& columns, const std::string& what) {
-    const Eigen::RowVectorXd norms = columns.colwise().norm();
+    Eigen::RowVectorXd norms = Eigen::RowVectorXd::Zero(columns.cols());
+    for (Eigen::Index row = 0; row < columns.rows(); ++row) norms += columns.row(row).cwiseAbs2();
+    norms = norms.cwiseSqrt().eval();
     for (Eigen::Index c = 0; c < norms.size(); ++c)
         if (!std::isfinite(norms[c]))
             throw Error(ErrorCode::solve_failed,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "solver/base/multiversion.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/elements/tet4.hpp"
 
@@ -39,6 +40,26 @@ void add_corner(const Model& model, const Tet4& geometry, Index t, int a, Stiffn
     }
 }
 
+/// y = sum of blocks x: one block row with `count` blocks at the nodes `items`; y is [3, width].
+/// `nonzero` is null if nothing is known.
+PALPATE_MULTIVERSION
+void multiply_row(const Index* items, const double* blocks, Index count, const double* x,
+                  std::size_t width, const unsigned char* nonzero, double* __restrict y) {
+    std::fill(y, y + 3 * width, 0.0);
+    for (Index k = 0; k < count; ++k) {
+        const Index node = items[k];
+        if (nonzero && !nonzero[node]) continue;
+        const double* a = blocks + 9 * static_cast<std::size_t>(k);
+        const double* xn = x + 3 * width * node;
+        for (std::size_t c = 0; c < width; ++c) {
+            const double x0 = xn[c], x1 = xn[width + c], x2 = xn[2 * width + c];
+            y[c] += a[0] * x0 + a[1] * x1 + a[2] * x2;
+            y[width + c] += a[3] * x0 + a[4] * x1 + a[5] * x2;
+            y[2 * width + c] += a[6] * x0 + a[7] * x1 + a[8] * x2;
+        }
+    }
+}
+
 }  // namespace
 
 StiffnessMatrix assemble_stiffness(const Model& model) {
@@ -59,24 +80,11 @@ void multiply_rows(const StiffnessMatrix& stiffness, Index first, Index last, co
                    Index columns, std::span<const unsigned char> nonzero, double* y) {
     const Adjacency& graph = stiffness.graph;
     const std::size_t width = columns;
-    std::fill(y, y + 3 * width * (last - first), 0.0);
     for (Index n = first; n < last; ++n) {
-        double* y0 = y + 3 * width * (n - first);
-        double* y1 = y0 + width;
-        double* y2 = y1 + width;
-        for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k) {
-            const Index m = graph.items[k];
-            if (!nonzero.empty() && !nonzero[m]) continue;
-            const double* block = &stiffness.blocks[9 * static_cast<std::size_t>(k)];
-            const double* x0 = x + 3 * width * m;
-            const double* x1 = x0 + width;
-            const double* x2 = x1 + width;
-            for (std::size_t c = 0; c < width; ++c) {
-                y0[c] += block[0] * x0[c] + block[1] * x1[c] + block[2] * x2[c];
-                y1[c] += block[3] * x0[c] + block[4] * x1[c] + block[5] * x2[c];
-                y2[c] += block[6] * x0[c] + block[7] * x1[c] + block[8] * x2[c];
-            }
-        }
+        const Index begin = graph.offsets[n];
+        multiply_row(&graph.items[begin], &stiffness.blocks[9 * static_cast<std::size_t>(begin)],
+                     graph.offsets[n + 1] - begin, x, width,
+                     nonzero.empty() ? nullptr : nonzero.data(), y + 3 * width * (n - first));
     }
 }
 

@@ -95,7 +95,7 @@ function drawScaleBar(context, pixelsPerMm, x, y, longest) {
     const surfaces = data.surfaces.length ? startSurfaceViewer(data.surfaces) : null;
     page.dataset.webgl = surfaces ? "yes" : "no";
     if (surfaces) redraws.push(surfaces);
-    if (data.volumes) redraws.push(startSliceViewer(data.volumes));
+    if (data.volumes) redraws.push(startSliceViewer(data.volumes, data.surfaces));
 
     const redraw = () => redraws.forEach((draw) => draw());
     window.addEventListener("resize", redraw);

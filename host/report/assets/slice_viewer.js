@@ -1,4 +1,5 @@
-// Three linked slice views of the label volumes: reference areas, target and warped outlines.
+// Three linked slice views of the label volumes: reference areas, target and warped outlines. The
+// outlines are cut from the surfaces (smooth) or follow the voxels.
 
 /** How a view cuts the volume (index 0, 1, 2 run to left, back, head). */
 const sliceCuts = {
@@ -46,6 +47,46 @@ function outlineOf(slice, organ) {
   return path;
 }
 
+/** A surface in voxel coordinates of the volumes, with the displacement if there is one. */
+function surfaceInVoxels(volumes, colour, vertices, displacement, triangles) {
+  const x = floatsOf(vertices), u = displacement ? floatsOf(displacement) : null;
+  const at = new Float32Array(x.length);
+  for (let v = 0; v < x.length; v += 3)
+    for (let a = 0; a < 3; ++a) {
+      let along = 0;
+      for (let k = 0; k < 3; ++k)
+        along += volumes.axes[a][k] * (x[v + k] + (u ? u[v + k] : 0) - volumes.origin_mm[k]);
+      at[v + a] = along / volumes.spacing_mm[a];
+    }
+  return { colour, at, triangles: indicesOf(triangles) };
+}
+
+/** Where a slice cuts a surface; path in units of pixels, like `outlineOf`. */
+function cutOfSurface(surface, cut, size, position) {
+  const { at, triangles } = surface;
+  const path = new Path2D();
+  const level = position + 1e-4;  // beside the voxel centre, where no vertex lies by accident
+  const point = (a, b) => {
+    const f = (level - at[a + cut.through]) / (at[b + cut.through] - at[a + cut.through]);
+    const row = at[a + cut.row] + f * (at[b + cut.row] - at[a + cut.row]);
+    return [at[a + cut.column] + f * (at[b + cut.column] - at[a + cut.column]) + 0.5,
+      (cut.rowsUp ? size[cut.row] - 1 - row : row) + 0.5];
+  };
+  for (let i = 0; i < triangles.length; i += 3) {
+    const corners = [3 * triangles[i], 3 * triangles[i + 1], 3 * triangles[i + 2]];
+    const ends = [];
+    for (let k = 0; k < 3; ++k) {
+      const a = corners[k], b = corners[(k + 1) % 3];
+      if ((at[a + cut.through] < level) !== (at[b + cut.through] < level)) ends.push(point(a, b));
+    }
+    if (ends.length === 2) {
+      path.moveTo(...ends[0]);
+      path.lineTo(...ends[1]);
+    }
+  }
+  return path;
+}
+
 /** The tinted areas of a slice as a picture of one pixel a voxel. */
 function areasOf(slice, colours) {
   const picture = document.createElement("canvas");
@@ -63,7 +104,7 @@ function areasOf(slice, colours) {
 const rgbOf = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 
 /** Fills the figures of the page; returns the function that draws them anew. */
-function startSliceViewer(data) {
+function startSliceViewer(data, surfaceData) {
   const count = data.size[0] * data.size[1] * data.size[2];
   const volumes = {
     reference: voxelsOf(data.reference, count),
@@ -71,6 +112,13 @@ function startSliceViewer(data) {
     warped: voxelsOf(data.warped, count),
   };
   const colours = data.organs.map((organ) => rgbOf(organ.colour));
+  const surfaces = {
+    target: surfaceData.map((s) =>
+      surfaceInVoxels(data, s.colour, s.target_vertices, null, s.target_triangles)),
+    warped: surfaceData.map((s) =>
+      surfaceInVoxels(data, s.colour, s.vertices, s.displacement, s.triangles)),
+  };
+  let smooth = surfaceData.length > 0;
   const shown = { reference: true, target: true, warped: true };
   const position = [...data.centre];
   const views = [];
@@ -93,6 +141,12 @@ function startSliceViewer(data) {
       box.addEventListener("change", () => { shown[layer] = box.checked; drawAll(); });
       legend.append(element("label", {}, box, " " + text));
     }
+    if (!smooth) return;
+    const select = element("select", {},
+      element("option", { value: "surfaces", textContent: "from the surfaces" }),
+      element("option", { value: "voxels", textContent: "from the voxels" }));
+    select.addEventListener("change", () => { smooth = select.value === "surfaces"; drawAll(); });
+    legend.append(element("label", {}, "outlines ", select));
   }
 
   function makeSliceView(figure, cut) {
@@ -109,7 +163,7 @@ function startSliceViewer(data) {
 
     const width = data.size[cut.column] * data.spacing_mm[cut.column];
     const height = data.size[cut.row] * data.spacing_mm[cut.row];
-    figure.style.flexGrow = width;
+    figure.style.flexGrow = width;  // one scale for all views
     let scale = 1;
     slider.addEventListener("input", () => { position[cut.through] = +slider.value; drawAll(); });
     canvas.addEventListener("click", (event) => {
@@ -146,19 +200,25 @@ function startSliceViewer(data) {
         context.drawImage(picture, 0, 0, sx * picture.width, sy * picture.height);
       }
       context.lineCap = "round";
-      if (shown.target) drawOutlines(context, cutOf("target"), sx, sy, 3.2, () => themeColour("target"));
-      if (shown.warped) drawOutlines(context, cutOf("warped"), sx, sy, 1.5, (organ) => data.organs[organ].colour);
+      for (const [layer, lineWidth] of [["target", 3.2], ["warped", 1.5]]) {
+        if (!shown[layer]) continue;
+        context.lineWidth = lineWidth;
+        for (const [outline, colour] of outlinesOf(layer)) {
+          // Stretched to mm first, so that lines keep one width in both directions.
+          const path = new Path2D();
+          path.addPath(outline, new DOMMatrix([sx, 0, 0, sy, 0, 0]));
+          context.strokeStyle = layer === "target" ? themeColour("target") : colour;
+          context.stroke(path);
+        }
+      }
     }
 
-    function drawOutlines(context, slice, sx, sy, lineWidth, colourOf) {
-      data.organs.forEach((_, organ) => {
-        // The path is stretched to mm first, so that lines keep one width in both directions.
-        const path = new Path2D();
-        path.addPath(outlineOf(slice, organ + 1), new DOMMatrix([sx, 0, 0, sy, 0, 0]));
-        context.strokeStyle = colourOf(organ);
-        context.lineWidth = lineWidth;
-        context.stroke(path);
-      });
+    /** Pairs of path and colour. */
+    function outlinesOf(layer) {
+      const at = position[cut.through];
+      if (smooth) return surfaces[layer].map((s) => [cutOfSurface(s, cut, data.size, at), s.colour]);
+      const slice = cutSlice(volumes[layer], data.size, cut, at);
+      return data.organs.map((organ, i) => [outlineOf(slice, i + 1), organ.colour]);
     }
 
     function drawCross(context) {

@@ -14,14 +14,14 @@ uniform float t;
 uniform mat3 view;
 uniform vec3 centre;
 uniform vec3 scale;
-uniform vec2 shift;
+uniform vec3 shift;
 varying vec3 normal;
 varying float value;
 void main() {
   vec3 x = view * (p + t * u - centre);
   normal = view * mix(n0, n1, t);
   value = mix(s0, s1, t);
-  gl_Position = vec4(x.xy * scale.xy + shift, -x.z * scale.z, 1.0);
+  gl_Position = vec4(x.xy * scale.xy + shift.xy, (shift.z - x.z) * scale.z, 1.0);
 }`;
 
 const fragmentShader = `
@@ -37,7 +37,7 @@ void main() {
   if (n.z < 0.0) n = -n;
   if (glass > 0.5) {
     float rim = pow(1.0 - n.z, 2.5);
-    float alpha = flat_colour.a * (0.10 + 0.90 * rim);
+    float alpha = flat_colour.a * (0.05 + 0.95 * rim);
     gl_FragColor = vec4(flat_colour.rgb * alpha, alpha);
     return;
   }
@@ -45,7 +45,7 @@ void main() {
       : texture2D(map, vec2(clamp((value - range.x) / (range.y - range.x), 0.002, 0.998), 0.5)).rgb;
   float key = max(dot(n, normalize(vec3(-0.35, 0.55, 0.75))), 0.0);
   float shine = pow(max(dot(n, normalize(vec3(-0.18, 0.30, 0.94))), 0.0), 40.0);
-  gl_FragColor = vec4(base * (0.42 + 0.62 * key) + 0.10 * shine, 1.0);
+  gl_FragColor = vec4(base * (0.56 + 0.48 * key) + 0.07 * shine, 1.0);
 }`;
 
 /** Normals of a surface with the displacement `part` applied, weighted by area. */
@@ -90,9 +90,7 @@ function startSurfaceViewer(surfaceData) {
   const options = { alpha: true, antialias: true, preserveDrawingBuffer: true };
   const gl = canvas.getContext("webgl2", options) || canvas.getContext("webgl", options);
   if (!gl || !(gl instanceof WebGLRenderingContext ? gl.getExtension("OES_element_index_uint") : true)) {
-    for (const part of document.querySelectorAll("#space .controls, #stage, #colourbar")) part.hidden = true;
-    stage.style.display = "none";
-    document.querySelectorAll("#space .controls, #space .colourbar").forEach((c) => { c.style.display = "none"; });
+    for (const part of document.querySelectorAll("#space > :not(h2, #no-webgl)")) part.style.display = "none";
     document.getElementById("no-webgl").hidden = false;
     return null;
   }
@@ -202,7 +200,7 @@ function startSurfaceViewer(surfaceData) {
 
   function findRanges() {
     const largest = (pick, roles) => Math.max(1e-3, ...surfaces.filter((s) => roles.includes(s.role))
-      .map((s) => quantile(pick(s), 0.98)));
+      .map((s) => quantile(pick(s), 0.97)));
     const moving = ["tissue", "driven"];
     return {
       distance: roundUp(largest((s) => s.before, moving)),
@@ -228,7 +226,9 @@ function startSurfaceViewer(surfaceData) {
     return [{ x: 0, width: width / 2, height, part: 0 }, { x: width / 2, width: width / 2, height, part: state.part }];
   }
 
-  const pixelsPerMm = (pane) => state.zoom * 0.47 * Math.min(pane.width, pane.height) / bounds.radius;
+  function pixelsPerMm(pane) {
+    return state.zoom * 0.62 * Math.min(pane.width, pane.height) / bounds.radius;
+  }
 
   function redraw() {
     if (pending) return;
@@ -240,6 +240,7 @@ function startSurfaceViewer(surfaceData) {
     fitCanvas(canvas, stage.clientWidth, stage.clientHeight);
     fitCanvas(overlay, stage.clientWidth, stage.clientHeight);
     gl.disable(gl.SCISSOR_TEST);
+    gl.depthMask(true);  // clearing obeys it
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.SCISSOR_TEST);
@@ -257,10 +258,11 @@ function startSurfaceViewer(surfaceData) {
     gl.scissor(...box);
     const { right, up, back } = viewMatrix();
     const scale = pixelsPerMm(pane);
+    const shift = [2 * state.pan[0] / pane.width, 2 * state.pan[1] / pane.height];
     gl.uniformMatrix3fv(uniforms.view, false, [0, 1, 2].flatMap((k) => [right[k], up[k], back[k]]));
     gl.uniform3fv(uniforms.centre, bounds.centre);
     gl.uniform3f(uniforms.scale, 2 * scale / pane.width, 2 * scale / pane.height, 1 / (8 * bounds.radius));
-    gl.uniform2f(uniforms.shift, 2 * state.pan[0] / pane.width, 2 * state.pan[1] / pane.height);
+    gl.uniform3f(uniforms.shift, ...shift, 0);
     gl.uniform1f(uniforms.t, pane.part);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, maps[state.mode === "distance" ? "diverging" : "sequential"]);
@@ -270,6 +272,8 @@ function startSurfaceViewer(surfaceData) {
     gl.depthMask(true);
     const shown = surfaces.filter((s) => s.visible);
     shown.forEach(drawSolid);
+    // The target a little further back, so that it does not speckle a surface that lies on it.
+    gl.uniform3f(uniforms.shift, ...shift, 0.6);
     if (state.target !== "off") drawTargets(shown);
   }
 

@@ -9,7 +9,7 @@
 
 #include "solver/backends/opencl/device_choice.hpp"
 #include "solver/backends/opencl/opencl_backend.hpp"
-#include "solver/backends/opencl/pocl_cache.hpp"
+#include "solver/backends/opencl/pocl_environment.hpp"
 
 namespace palpate {
 namespace {
@@ -44,7 +44,7 @@ FoundDevice inspect(const cl::Platform& platform, const cl::Device& device, cons
 }
 
 std::vector<cl::Platform> find_platforms() {
-    use_private_pocl_cache();
+    prepare_pocl_environment();
     std::vector<cl::Platform> platforms;
     try {
         cl::Platform::get(&platforms);

@@ -127,12 +127,11 @@ void DeviceModel::multiply_elements(const cl::Buffer& x, const cl::Buffer& y,
     }
 }
 
-void DeviceModel::apply_diagonal_blocks(const cl::Buffer& r, const cl::Buffer& z,
-                                        std::size_t num_columns) {
+void DeviceModel::apply_block_jacobi(const cl::Buffer& r, const cl::Buffer& z,
+                                     std::size_t num_columns) {
     for (const ColumnPass& pass : session_.passes(num_columns))
-        session_.run({"diagonal_blocks", "apply_diagonal_blocks"}, num_nodes_, pass,
-                     inverse_blocks_, r, z, cl_int(num_nodes_), cl_int(num_columns),
-                     cl_int(pass.first));
+        session_.run({"block_jacobi", "block_jacobi"}, num_nodes_, pass, inverse_blocks_, r, z,
+                     cl_int(num_nodes_), cl_int(num_columns), cl_int(pass.first));
 }
 
 std::vector<double> DeviceModel::energy_products(const cl::Buffer& lambda, const cl::Buffer& x,

@@ -27,7 +27,7 @@ public:
     void multiply(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns,
                   bool constrained);
     /// z = D^-1 r
-    void apply_diagonal_blocks(const cl::Buffer& r, const cl::Buffer& z, std::size_t num_columns);
+    void apply_block_jacobi(const cl::Buffer& r, const cl::Buffer& z, std::size_t num_columns);
     /// lambda_c . K_r x_c at unit modulus: [num_materials, num_columns].
     std::vector<double> energy_products(const cl::Buffer& lambda, const cl::Buffer& x,
                                         std::size_t num_columns);

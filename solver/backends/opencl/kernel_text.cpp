@@ -19,14 +19,15 @@ std::string_view file_text(std::string_view name) {
 
 const std::vector<std::string>& program_names() {
     static const std::vector<std::string> names = {
-        "block_csr",          "diagonal_blocks", "element_geometry", "gather_to_nodes",
-        "parameter_gradient", "stiffness_apply", "stiffness_blocks", "vector_ops"};
+        "block_csr",        "block_jacobi",     "diagonal_blocks",
+        "element_geometry", "gather_to_nodes",  "parameter_gradient",
+        "stiffness_apply",  "stiffness_blocks", "vector_ops"};
     return names;
 }
 
 std::string program_text(std::string_view program) {
-    const bool node_loop =
-        program == "block_csr" || program == "gather_to_nodes" || program == "vector_ops";
+    const bool node_loop = program == "block_csr" || program == "block_jacobi" ||
+                           program == "gather_to_nodes" || program == "vector_ops";
     std::string text(file_text("real.cl"));
     if (!node_loop) {
         text += file_text("tensor3.cl");

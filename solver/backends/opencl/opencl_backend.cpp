@@ -115,9 +115,7 @@ DeviceModel& OpenclBackend::model_for(const DeviceVector& x, const DeviceVector&
 }
 
 void OpenclBackend::prepare(const Model& model) {
-    if (model.mesh.region.size() != model.mesh.tets.size() ||
-        model.prescribed.size() != static_cast<std::size_t>(model.num_dofs()))
-        refuse("The model needs one region per tet and one prescribed flag per dof.");
+    check_model(model);
     guarded("prepare the model", [&] {
         model_.reset();
         model_.emplace(session_, model, product_);
@@ -248,7 +246,7 @@ void OpenclBackend::apply_stiffness(const DeviceVector& x, DeviceVector& y) {
 void OpenclBackend::apply_block_jacobi(const DeviceVector& r, DeviceVector& z) {
     DeviceModel& model = model_for(r, z);
     guarded("apply block-Jacobi",
-            [&] { model.apply_diagonal_blocks(buffer_of(r), buffer_of(z), r.columns()); });
+            [&] { model.apply_block_jacobi(buffer_of(r), buffer_of(z), r.columns()); });
 }
 
 void OpenclBackend::strain_energy(const DeviceVector& x, std::span<double> energy) {

@@ -73,7 +73,8 @@ TEST(CubicBspline, MixedDerivativesAreThoseOfTheFunction) {
     EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {0, 0, 2}), 0.02, 2e-3);
     EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {0, 1, 1}),
                 -0.025 * std::sin(0.25 * x[1]), 2e-3);
-    EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {0, 0, 0}), smooth_function(x), 1e-3);
+    EXPECT_NEAR(bspline_derivative(size, coefficients.data(), x, {0, 0, 0}), smooth_function(x),
+                1e-3);
 }
 
 TEST(CubicBspline, CanBeEvaluatedAtTheEndsOfItsSupport) {

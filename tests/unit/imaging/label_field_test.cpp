@@ -32,14 +32,15 @@ double interface_radius(const LabelField& field, const Vec3& from, const Vec3& r
 
 /// Errors of the interface radius over several positions of the sphere relative to the voxels.
 struct RadiusErrors {
-    double mean = 0;          ///< largest magnitude of the mean error
-    double shift = 0;         ///< the same against the sphere of the voxels' volume: the bias of ours
+    double mean = 0;   ///< largest magnitude of the mean error
+    double shift = 0;  ///< the same against the sphere of the voxels' volume: the bias of ours
     double rms = 0, max = 0;
 };
 
 RadiusErrors radius_errors(const Vec3& spacing, const Mat3& direction, double r) {
     RadiusErrors worst;
-    for (const Vec3& offset : {Vec3(0.12, -0.35, 0.2), Vec3(0.31, 0.17, -0.4), Vec3(0.4, 0.2, 0.1)}) {
+    for (const Vec3& offset :
+         {Vec3(0.12, -0.35, 0.2), Vec3(0.31, 0.17, -0.4), Vec3(0.4, 0.2, 0.1)}) {
         ImageGrid grid = grid_around(centre, 2 * r + 20, spacing, direction);
         grid.origin += direction * offset.cwiseProduct(spacing);
         const RegionImage image = voxelised_sphere(grid, centre, r);
@@ -57,7 +58,8 @@ RadiusErrors radius_errors(const Vec3& spacing, const Mat3& direction, double r)
         worst.max = std::max(worst.max, s.max);
     }
     std::printf("    spacing %.1f %.1f %.1f, r %.0f: mean %.3f shift %.3f rms %.3f max %.3f mm\n",
-                spacing[0], spacing[1], spacing[2], r, worst.mean, worst.shift, worst.rms, worst.max);
+                spacing[0], spacing[1], spacing[2], r, worst.mean, worst.shift, worst.rms,
+                worst.max);
     return worst;
 }
 
@@ -70,8 +72,7 @@ TEST(LabelField, FindsASphereOfOneMillimetreVoxels) {
 }
 
 TEST(LabelField, FindsASphereOfThickSlices) {
-    const RadiusErrors s =
-        radius_errors(Vec3(0.5, 0.5, 3), Mat3::Identity(), radius);
+    const RadiusErrors s = radius_errors(Vec3(0.5, 0.5, 3), Mat3::Identity(), radius);
 
     EXPECT_LT(s.mean, 0.15);
     EXPECT_LT(s.rms, 0.35);

@@ -27,7 +27,8 @@ inline ImageGrid grid_around(const Vec3& centre, double extent_mm, const Vec3& s
 }
 
 /// Fills each voxel with the region of its centre.
-inline RegionImage voxelised(const ImageGrid& grid, const std::function<Index(const Vec3&)>& region) {
+inline RegionImage voxelised(const ImageGrid& grid,
+                             const std::function<Index(const Vec3&)>& region) {
     RegionImage image{grid, std::vector<std::uint8_t>(grid.num_voxels())};
     for (Index k = 0; k < grid.size[2]; ++k)
         for (Index j = 0; j < grid.size[1]; ++j)

@@ -211,7 +211,7 @@ TEST_P(OpenclBackendTest, SumsAreTheSameBitsEveryTime) {
     }
 }
 
-TEST_P(OpenclBackendTest, NodeWithoutElementsAndEmptyMeshWork) {
+TEST_P(OpenclBackendTest, NodeWithoutElementsCountsAsZeroStiffness) {
     Model model = fixtures::two_tissue_model({2, 2, 2});
     model.mesh.nodes.push_back(Vec3(99, 99, 99));
     model.prescribed.insert(model.prescribed.end(), {1, 1, 0});
@@ -223,9 +223,13 @@ TEST_P(OpenclBackendTest, NodeWithoutElementsAndEmptyMeshWork) {
     backend->apply_stiffness(*device_x, *y);
 
     expect_close(*y, host_loops::constrained_product(model, host_loops::moduli_of(model), x));
-    backend->prepare(Model{});
+}
+
+TEST_P(OpenclBackendTest, EmptyVectorsWork) {
     const auto nothing = backend->make_vector(0, GetParam().columns);
-    backend->apply_stiffness(*nothing, *nothing);
+    const std::vector<double> ones(GetParam().columns, 1.0);
+    backend->fill(*nothing, 1.0);
+    backend->axpby(ones, *nothing, ones, *nothing);
     std::vector<double> sums(GetParam().columns, 1.0);
     backend->dot(*nothing, *nothing, sums);
     EXPECT_EQ(sums, std::vector<double>(GetParam().columns, 0.0));
@@ -272,6 +276,18 @@ TEST_P(OpenclBackendTest, TooLargeVectorSaysThatMemoryRanOut) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::out_of_memory);
     }
+}
+
+TEST(OpenclVectorTest, FreshVectorIsNanInDebugBuilds) {
+#ifdef NDEBUG
+    GTEST_SKIP() << "This is not a debug build.";
+#endif
+    if (opencl_devices().empty()) GTEST_SKIP() << "This machine has no OpenCL device.";
+    const auto backend = make_opencl_backend({});
+
+    const auto fresh = backend->make_vector(7, 5);
+
+    EXPECT_TRUE(out_of(*backend, *fresh).array().isNaN().all());
 }
 
 }  // namespace

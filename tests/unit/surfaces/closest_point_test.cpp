@@ -58,8 +58,8 @@ TEST(ClosestPoint, OfATriangleIsNeverFartherThanASampleOfIt) {
         double sampled = 1e300;
         for (int i = 0; i <= 40; ++i)
             for (int j = 0; i + j <= 40; ++j)
-                sampled = std::min(sampled,
-                                   (a + (b - a) * i / 40.0 + (c - a) * j / 40.0 - p).norm());
+                sampled =
+                    std::min(sampled, (a + (b - a) * i / 40.0 + (c - a) * j / 40.0 - p).norm());
         ASSERT_LE(found, sampled + 1e-12);
         ASSERT_GE(found, sampled - 0.15);
     }

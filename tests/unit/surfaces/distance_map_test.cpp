@@ -22,7 +22,8 @@ const Vec3 centre(12.3, -45.6, 78.9);
 LabelField sphere_field(double radius, double extent, double voxel,
                         const Mat3& direction = oblique_direction()) {
     return LabelField(
-        voxelised_sphere(grid_around(centre, extent, Vec3::Constant(voxel), direction), centre, radius),
+        voxelised_sphere(grid_around(centre, extent, Vec3::Constant(voxel), direction), centre,
+                         radius),
         3);
 }
 

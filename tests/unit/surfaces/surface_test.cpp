@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// Two tetrahedra that share the face 0 1 2: region 2 above it (vertex 3), region 3 below (vertex 4).
-/// The last triangle lies on the image border.
+/// Two tetrahedra that share the face 0 1 2: region 2 above it (vertex 3), region 3 below (vertex
+/// 4). The last triangle lies on the image border.
 RegionSurface two_tets() {
     RegionSurface all;
     all.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -2}};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "solver/backends/opencl/pocl_cache.hpp"
+#include "solver/backends/opencl/pocl_environment.hpp"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -66,9 +66,12 @@ void make_private_folder() {
 
 }  // namespace
 
-void use_private_pocl_cache() {
+void prepare_pocl_environment() {
     static std::once_flag once;
-    std::call_once(once, make_private_folder);
+    std::call_once(once, [] {
+        make_private_folder();
+        setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);  // keeps what the user has set
+    });
 }
 
 }  // namespace palpate

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <memory>
+#include <vector>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/options.hpp"
+#include "host/phantom/pelvis.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+struct PhantomArguments {
+    PelvisOptions pelvis;
+    std::vector<double> spacing{1, 1, 1};
+    std::string out;
+    SolverArguments solver;
+    MesherArguments mesher;
+    bool quiet = false;
+};
+
+int run_pelvis(PhantomArguments arguments) {
+    if (std::filesystem::exists(arguments.out)) {
+        throw Error(ErrorCode::output_failed,
+                    fmt::format("{} exists already; remove it or choose another --out",
+                                arguments.out));
+    }
+    arguments.pelvis.spacing = Vec3(arguments.spacing[0], arguments.spacing[1],
+                                    arguments.spacing[2]);
+    arguments.pelvis.num_nodes = arguments.mesher.nodes;
+    const auto progress = console_progress(arguments.quiet);
+    const PelvisPhantom phantom =
+        make_pelvis(arguments.pelvis, solver_options(arguments.solver),
+                    mesher_options(arguments.mesher), progress);
+    write_pelvis(phantom, arguments.pelvis, arguments.out);
+    end_progress_line();
+    fmt::print("phantom: {}\n", arguments.out);
+    return 0;
+}
+
+}  // namespace
+
+void add_phantom(CLI::App& app, Run& run) {
+    CLI::App* command = app.add_subcommand("phantom", "Make input with a known answer");
+    command->require_subcommand(1);
+    CLI::App* pelvis = command->add_subcommand(
+        "pelvis", "Prostate, bladder, rectum and bones, voxelised before and after deformation");
+    auto arguments = std::make_shared<PhantomArguments>();
+    arguments->mesher.nodes = PelvisOptions{}.num_nodes;
+    auto& options = arguments->pelvis;
+    pelvis->add_option("--seed", options.seed, "Anatomy and load")->capture_default_str();
+    pelvis->add_option("--stiffness-kpa", options.stiffness_kpa, "Of the prostate")
+        ->check(CLI::Range(1.0, 10000.0))
+        ->capture_default_str();
+    pelvis->add_option("--poisson-ratio", options.poisson_ratio, "Of the prostate")
+        ->check(CLI::Range(0.0, 0.49))
+        ->capture_default_str();
+    pelvis->add_option("--spacing", arguments->spacing, "Voxel size in mm, three numbers")
+        ->expected(3)
+        ->check(CLI::Range(0.2, 10.0))
+        ->capture_default_str();
+    pelvis->add_option("--out", arguments->out, "Folder, made new")->required();
+    pelvis->add_flag("--quiet", arguments->quiet, "No progress");
+    add_mesher_options(*pelvis, arguments->mesher);
+    add_solver_options(*pelvis, arguments->solver);
+    pelvis->callback([arguments, &run] { run = [arguments] { return run_pelvis(*arguments); }; });
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <new>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/pipeline/version.hpp"
+#include "solver/base/error.hpp"
+
+namespace {
+
+int fail(int code, const std::string& message) {
+    palpate::end_progress_line();
+    fmt::print(stderr, "palpate: {}\n", message);
+    return code;
+}
+
+int parse_and_run(int argc, char** argv) {
+    CLI::App app{"Computational palpation: stiffness, forces and deformation from two segmentations"};
+    app.name("palpate");
+    app.set_version_flag("--version", "palpate " + palpate::version_text());
+    app.require_subcommand(1);
+    app.footer(
+        "Exit codes: 0 ok, 1 internal, 2 usage, 3 unreadable input, 4 unusable input, 5 meshing,\n"
+        "6 forward solve, 7 not converged (result written), 8 device, 9 time limit, 10 output.\n"
+        "Not a medical device.");
+    palpate::Run run;
+    palpate::add_recover(app, run);
+    palpate::add_phantom(app, run);
+    palpate::add_devices(app, run);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+        return fail(exit_code_of(palpate::ErrorCode::invalid_argument),
+                    fmt::format("{}; see `palpate --help`", error.what()));
+    }
+    return run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return parse_and_run(argc, argv);
+    } catch (const palpate::Error& error) {
+        return fail(exit_code_of(error.code()), error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(exit_code_of(palpate::ErrorCode::out_of_memory),
+                    "out of memory; use fewer --nodes or coarser label volumes");
+    } catch (const std::exception& error) {
+        return fail(1, fmt::format("internal error: {}; please report it", error.what()));
+    }
+}

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/cli/options.hpp"
+
+#include "solver/backend/registry.hpp"
+
+namespace palpate {
+
+void add_solver_options(CLI::App& command, SolverArguments& arguments) {
+    command
+        .add_option("--backend", arguments.backend,
+                    "Who computes: auto (OpenCL), opencl, or reference (host, direct solver)")
+        ->check(CLI::IsMember({"auto", "opencl", "reference"}))
+        ->capture_default_str();
+    command.add_option("--device", arguments.device,
+                       "OpenCL device: a number such as 0.1 or part of its name, see `palpate "
+                       "devices` (default: the first GPU, else the first CPU)");
+    command
+        .add_option("--precision", arguments.precision,
+                    "Arithmetic on the device; single is refined to double on the host")
+        ->check(CLI::IsMember({"single", "double"}))
+        ->capture_default_str();
+    command
+        .add_option("--product", arguments.product,
+                    "Stiffness product on the device: assembled or matrix-free")
+        ->check(CLI::IsMember({"assembled", "matrix-free"}))
+        ->capture_default_str();
+}
+
+void add_mesher_options(CLI::App& command, MesherArguments& arguments) {
+    command
+        .add_option("--mesher", arguments.mesher,
+                    "auto (TetGen, then CGAL if it fails), tetgen, or cgal")
+        ->check(CLI::IsMember({"auto", "tetgen", "cgal"}))
+        ->capture_default_str();
+    command.add_option("--nodes", arguments.nodes, "Wanted number of mesh nodes")
+        ->check(CLI::Range(500, 500000))
+        ->capture_default_str();
+    command.add_option("--mesh-time-limit", arguments.time_limit_s, "Seconds for the mesher")
+        ->check(CLI::Range(1.0, 86400.0))
+        ->capture_default_str();
+    command.add_option("--mesh-memory-limit", arguments.memory_limit_gib, "GiB for the mesher")
+        ->check(CLI::Range(0.25, 1024.0))
+        ->capture_default_str();
+}
+
+LinearSolverOptions solver_options(const SolverArguments& arguments) {
+    LinearSolverOptions options;
+    options.backend =
+        arguments.backend == "auto" ? backend_registry().front().name : arguments.backend;
+    options.device.device = arguments.device;
+    options.device.precision =
+        arguments.precision == "double" ? Precision::double_ : Precision::single;
+    options.device.product =
+        arguments.product == "assembled" ? Product::assembled : Product::matrix_free;
+    make_backend(options.backend, options.device);  // a missing device is told before any work
+    return options;
+}
+
+MesherOptions mesher_options(const MesherArguments& arguments) {
+    MesherOptions options;
+    if (arguments.mesher == "tetgen") options.kind = MesherKind::tetgen;
+    if (arguments.mesher == "cgal") options.kind = MesherKind::cgal;
+    options.num_nodes = arguments.nodes;
+    options.time_limit_s = arguments.time_limit_s;
+    options.memory_limit_gib = arguments.memory_limit_gib;
+    return options;
+}
+
+}  // namespace palpate

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "host/meshing/mesher.hpp"
+#include "solver/linear/linear_solver.hpp"
+
+namespace palpate {
+
+/// Options that several commands share, as the user typed them.
+struct SolverArguments {
+    std::string backend = "auto";
+    std::string device;
+    std::string precision = "single";
+    std::string product = "assembled";
+};
+
+struct MesherArguments {
+    std::string mesher = "auto";
+    Index nodes = 6000;
+    double time_limit_s = 120;
+    double memory_limit_gib = 8;
+};
+
+void add_solver_options(CLI::App& command, SolverArguments& arguments);
+void add_mesher_options(CLI::App& command, MesherArguments& arguments);
+
+/// "auto" takes OpenCL if this build has it. Throws Error(device_unavailable) if it then finds no
+/// device: nothing falls back silently.
+LinearSolverOptions solver_options(const SolverArguments& arguments);
+MesherOptions mesher_options(const MesherArguments& arguments);
+
+}  // namespace palpate

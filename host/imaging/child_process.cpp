@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/imaging/child_process.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <string>
+#include <thread>
+
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// What the child says at its end, in shared memory.
+struct Report {
+    enum class State : int { silent, done, error, failed } state;
+    ErrorCode code;
+    char message[1000];
+
+    void set(State new_state, const char* text) {
+        std::snprintf(message, sizeof message, "%s", text);
+        state = new_state;
+    }
+};
+
+std::size_t mapped_bytes() {
+    unsigned long pages = 0;
+    if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
+        if (std::fscanf(file, "%lu", &pages) != 1) pages = 0;
+        std::fclose(file);
+    }
+    return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+void lower_limit(int resource, rlim_t value) {
+    rlimit limit{};
+    getrlimit(resource, &limit);
+    limit.rlim_cur = std::min(value, limit.rlim_max);
+    setrlimit(resource, &limit);
+}
+
+void apply(const ChildLimits& limits) {
+#ifndef __SANITIZE_ADDRESS__  // its shadow memory counts as mapped
+    lower_limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
+#endif
+    lower_limit(RLIMIT_CPU, static_cast<rlim_t>(limits.seconds));
+    lower_limit(RLIMIT_CORE, 0);
+}
+
+void silence() {
+    const int null = open("/dev/null", O_RDWR);
+    if (null < 0) return;
+    dup2(null, STDOUT_FILENO);
+    dup2(null, STDERR_FILENO);
+}
+
+[[noreturn]] void be_child(const std::function<void()>& work, const ChildLimits& limits,
+                           Report& report) {
+    for (int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGTERM, SIGINT}) {
+        std::signal(signal, SIG_DFL);
+    }
+    silence();
+    apply(limits);
+    try {
+        work();
+        report.set(Report::State::done, "");
+    } catch (const Error& error) {
+        report.code = error.code();
+        report.set(Report::State::error, error.what());
+    } catch (const std::bad_alloc&) {
+        report.set(Report::State::failed, "it needs more memory than the limit for reading");
+    } catch (const std::exception& error) {
+        report.set(Report::State::failed, error.what());
+    } catch (...) {
+        report.set(Report::State::failed, "an unknown exception");
+    }
+    _exit(0);  // no destructors, no buffers of the parent
+}
+
+/// Status of the child as waitpid gives it; kills it when its time is over.
+int wait_for(pid_t child, int seconds) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+    int status = 0;
+    for (auto pause = std::chrono::microseconds(200);;
+         pause = std::min(pause * 2, std::chrono::microseconds(10000))) {
+        const pid_t ended = waitpid(child, &status, WNOHANG);
+        if (ended == child) return status;
+        if (ended < 0 && errno != EINTR) return -1;
+        if (std::chrono::steady_clock::now() > end) kill(child, SIGKILL);
+        std::this_thread::sleep_for(pause);
+    }
+}
+
+std::string cause_of(int status) {
+    if (status < 0 || !WIFSIGNALED(status)) return "the reading process ended without a result";
+    const int signal = WTERMSIG(status);
+    if (signal == SIGXCPU || signal == SIGKILL) return "reading it took too long";
+    return "reading it crashed (signal " + std::to_string(signal) + ")";
+}
+
+}  // namespace
+
+SharedMemory::SharedMemory(std::size_t num_bytes)
+    : num_bytes_(std::max<std::size_t>(num_bytes, 1)) {
+    void* memory =
+        mmap(nullptr, num_bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) {
+        throw Error(ErrorCode::out_of_memory,
+                    "no memory for " + std::to_string(num_bytes_) + " bytes of image");
+    }
+    data_ = static_cast<std::byte*>(memory);
+}
+
+SharedMemory::~SharedMemory() { munmap(data_, num_bytes_); }
+
+void run_in_child(const std::function<void()>& work, const ChildLimits& limits) {
+    const SharedMemory memory(sizeof(Report));
+    Report& report = *new (memory.data()) Report{};
+    const pid_t child = fork();
+    if (child < 0) throw Error(ErrorCode::out_of_memory, "no process could be started");
+    if (child == 0) be_child(work, limits, report);
+    const int status = wait_for(child, 2 * limits.seconds);
+    switch (report.state) {
+        case Report::State::done:
+            return;
+        case Report::State::error:
+            throw Error(report.code, report.message);
+        case Report::State::failed:
+            throw Error(ErrorCode::input_unreadable, report.message);
+        case Report::State::silent:
+            break;
+    }
+    throw Error(ErrorCode::input_unreadable, cause_of(status));
+}
+
+}  // namespace palpate

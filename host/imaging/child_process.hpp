@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace palpate {
+
+/// Memory that a forked child shares with its parent; zeros at first.
+class SharedMemory {
+public:
+    explicit SharedMemory(std::size_t num_bytes);
+    ~SharedMemory();
+    SharedMemory(const SharedMemory&) = delete;
+    SharedMemory& operator=(const SharedMemory&) = delete;
+    std::byte* data() const { return data_; }
+
+private:
+    std::byte* data_;
+    std::size_t num_bytes_;
+};
+
+struct ChildLimits {
+    std::size_t memory_bytes = std::size_t(1)
+                               << 30;  ///< beyond what the process has mapped already
+    int seconds = 60;                  ///< processor time, and twice that by the clock
+};
+
+/// Runs `work` in a forked child, silenced and under limits, and waits for it: for code that may
+/// crash on damaged input. `work` leaves its result in SharedMemory.
+/// An Error thrown by `work` is thrown here again; any other exception, a signal or a limit becomes
+/// Error(input_unreadable) with what happened.
+void run_in_child(const std::function<void()>& work, const ChildLimits& limits = {});
+
+}  // namespace palpate

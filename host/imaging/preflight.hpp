@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/imaging/image.hpp"
+
+namespace palpate {
+
+enum class VolumeFormat { nifti, nrrd, meta };
+
+/// A volume file that was checked byte by byte, ready for the decoder. The decoder gets these
+/// copies and not the original files: ITK would accept damaged ones and, beside A.nii, read that
+/// instead of A.nii.gz.
+struct CheckedVolume {
+    struct File {
+        std::filesystem::path name;  ///< relative; the first file is the one to open
+        std::vector<std::uint8_t> bytes;
+    };
+    VolumeFormat format = VolumeFormat::nifti;
+    std::array<Index, 3> size{0, 0, 0};
+    std::optional<ImageGrid> grid;  ///< if given, it holds and not the decoder's (NIfTI)
+    std::vector<File> files;
+};
+
+/// Format by the ending of the name (.nii .nii.gz .nrrd .nhdr .mha .mhd, any case), if known.
+std::optional<VolumeFormat> format_of(const std::filesystem::path& path);
+
+/// Loads and checks a 3D scalar volume.
+/// Throws Error(input_unreadable) for a damaged file, Error(input_unusable) for a sound one that is
+/// not a 3D scalar volume in mm; messages start with the file.
+CheckedVolume preflight(const std::filesystem::path& path);
+
+/// The smallest volume that is accepted has two voxels along each axis.
+constexpr std::size_t max_voxels = std::size_t(1) << 30;
+/// Bytes tolerated behind the voxels.
+constexpr std::size_t max_trailing_bytes = std::size_t(1) << 20;
+
+namespace detail {
+/// The parts of `preflight`, in their own files; messages without the file's name.
+CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes);
+CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
+                             bool detached);
+CheckedVolume preflight_meta(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
+                             bool detached);
+
+std::vector<std::uint8_t> load(const std::filesystem::path& path);
+/// A data file that a header names, which must lie in the header's folder.
+CheckedVolume::File load_detached(const std::filesystem::path& folder, const std::string& name);
+[[noreturn]] void unreadable(const std::string& reason);
+[[noreturn]] void unusable(const std::string& reason);
+/// Checks the extents and returns their product.
+std::size_t checked_num_voxels(const std::vector<long long>& sizes);
+/// Whole numbers or finite numbers separated by blanks; throws for anything else.
+std::vector<long long> whole_numbers(const std::string& text);
+std::vector<double> finite_numbers(const std::string& text);
+std::string trimmed(const std::string& text);
+/// Throws unless `bytes`, inflated first if `compressed`, hold `needed` bytes and little more.
+void check_data(std::span<const std::uint8_t> bytes, bool compressed, std::size_t needed);
+}  // namespace detail
+
+}  // namespace palpate

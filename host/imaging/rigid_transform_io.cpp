@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <itkHDF5TransformIOFactory.h>
+#include <itkTransformFactoryBase.h>
+#include <itkTransformFileReader.h>
+#include <itkTransformFileWriter.h>
+#include <itkTxtTransformIOFactory.h>
+#include <itkVersorRigid3DTransform.h>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <filesystem>
+#include <mutex>
+
+#include "host/imaging/child_process.hpp"
+#include "host/imaging/files.hpp"
+#include "host/imaging/io.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+void register_formats() {
+    static std::once_flag done;
+    std::call_once(done, [] {
+        itk::TransformFactoryBase::RegisterDefaultTransforms();
+        itk::TxtTransformIOFactory::RegisterOneFactory();
+        itk::HDF5TransformIOFactory::RegisterOneFactory();
+    });
+}
+
+[[noreturn]] void unusable(const std::string& reason) {
+    throw Error(ErrorCode::input_unusable, reason);
+}
+
+Vec3 image_of(const itk::Transform<double, 3, 3>& transform, const Vec3& x) {
+    itk::Point<double, 3> point;
+    for (unsigned a = 0; a < 3; ++a) point[a] = x[a];
+    const auto moved = transform.TransformPoint(point);
+    return Vec3(moved[0], moved[1], moved[2]);
+}
+
+/// Runs in the child: y = matrix x + translation, 12 numbers, matrix by columns.
+void read_linear(const std::filesystem::path& path, double* numbers) {
+    register_formats();
+    const auto reader = itk::TransformFileReaderTemplate<double>::New();
+    reader->SetFileName(path.string());
+    reader->Update();
+    const auto& transforms = *reader->GetTransformList();
+    if (transforms.size() != 1) {
+        unusable("it holds " + std::to_string(transforms.size()) + " transforms, one is needed");
+    }
+    const auto* transform =
+        dynamic_cast<const itk::Transform<double, 3, 3>*>(transforms.front().GetPointer());
+    if (!transform) unusable("its transform is not of three dimensions");
+    if (!transform->IsLinear()) {
+        unusable(std::string("its transform (") + transform->GetNameOfClass() + ") is not linear");
+    }
+    Eigen::Map<Vec3> translation(numbers + 9);
+    Eigen::Map<Mat3> matrix(numbers);
+    translation = image_of(*transform, Vec3::Zero());
+    for (int a = 0; a < 3; ++a) {
+        matrix.col(a) = image_of(*transform, Vec3::Unit(a)) - translation;
+    }
+}
+
+RigidTransform rigid_from(const Mat3& matrix, const Vec3& translation) {
+    if (!matrix.allFinite() || !translation.allFinite()) unusable("its numbers are not finite");
+    const double error = (matrix.transpose() * matrix - Mat3::Identity()).cwiseAbs().maxCoeff();
+    if (error > 1e-3 || matrix.determinant() < 0) {
+        unusable("its matrix is not a rotation; scaling, shear and mirroring are not accepted");
+    }
+    const Eigen::JacobiSVD<Mat3> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    return {svd.matrixU() * svd.matrixV().transpose(), translation};
+}
+
+bool has_known_ending(const std::filesystem::path& path) {
+    const std::string ending = path.extension().string();
+    return ending == ".tfm" || ending == ".txt" || ending == ".h5" || ending == ".hdf5";
+}
+
+}  // namespace
+
+RigidTransform read_rigid_transform(const std::filesystem::path& path) {
+    try {
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(path, error)) {
+            throw Error(ErrorCode::input_unreadable, "there is no such file");
+        }
+        if (!has_known_ending(path)) {
+            throw Error(ErrorCode::input_unreadable,
+                        "its format is unknown; use .tfm, .txt or .h5");
+        }
+        const SharedMemory memory(12 * sizeof(double));
+        auto* numbers = reinterpret_cast<double*>(memory.data());
+        run_in_child([&] { read_linear(path, numbers); });
+        return rigid_from(Eigen::Map<const Mat3>(numbers), Eigen::Map<const Vec3>(numbers + 9));
+    } catch (const Error& error) {
+        throw Error(error.code(),
+                    "cannot use the transform '" + path.string() + "': " + error.what());
+    }
+}
+
+void write_rigid_transform(const std::filesystem::path& path, const RigidTransform& transform) {
+    if (!has_known_ending(path)) {
+        throw Error(ErrorCode::unsupported,
+                    "cannot write '" + path.string() + "': a transform is .tfm, .txt or .h5");
+    }
+    register_formats();
+    const auto rigid = itk::VersorRigid3DTransform<double>::New();
+    itk::VersorRigid3DTransform<double>::MatrixType matrix;
+    itk::VersorRigid3DTransform<double>::OutputVectorType translation;
+    for (unsigned r = 0; r < 3; ++r) {
+        for (unsigned c = 0; c < 3; ++c) matrix(r, c) = transform.rotation(r, c);
+        translation[r] = transform.translation[r];
+    }
+    write_atomically(path, [&](const std::filesystem::path& temporary) {
+        rigid->SetMatrix(matrix, 1e-6);
+        rigid->SetTranslation(translation);
+        const auto writer = itk::TransformFileWriterTemplate<double>::New();
+        writer->SetFileName(temporary.string());
+        writer->SetInput(rigid);
+        writer->Update();
+    });
+}
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/inverse/modulus_search.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr int scan_points = 11;
+constexpr int most_steps = 25;
+constexpr double longest_step = 1.0;   // of ln E
+constexpr double small_gradient = 1e-4;  // in posterior standard deviations
+
+/// Negative and tiny curvatures are replaced by the prior's, so that the step goes downhill.
+Eigen::MatrixXd made_definite(const Eigen::MatrixXd& hessian,
+                              const std::vector<ModulusPrior>& priors) {
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
+    double smallest = 1e300;
+    for (const auto& prior : priors) {
+        smallest = std::min(smallest, 1.0 / (prior.sd_ln * prior.sd_ln));
+    }
+    const Eigen::VectorXd values =
+        eigen.eigenvalues().cwiseAbs().cwiseMax(0.1 * smallest);
+    return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+Eigen::VectorXd clamped(const Eigen::VectorXd& theta, const ModulusBounds& bounds) {
+    return theta.cwiseMax(bounds.lower_ln).cwiseMin(bounds.upper_ln);
+}
+
+}  // namespace
+
+Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBounds& bounds) {
+    const auto& priors = problem.priors();
+    const Index n = problem.num_unknown();
+    Eigen::VectorXd best(n);
+    for (Index k = 0; k < n; ++k) best[k] = priors[k].mean_ln;
+    if (n == 0) return best;
+    double best_value = problem.evaluate(best, false).objective;
+    const auto offer = [&](const Eigen::VectorXd& theta) {
+        const double value = problem.evaluate(clamped(theta, bounds), false).objective;
+        if (value < best_value) {
+            best_value = value;
+            best = clamped(theta, bounds);
+        }
+    };
+    const Eigen::VectorXd centre = best;
+    for (int p = 0; p < scan_points; ++p) {  // prior mean +- 2.5 sd
+        const double z = -2.5 + 5.0 * p / (scan_points - 1);
+        Eigen::VectorXd theta = centre;
+        for (Index k = 0; k < n; ++k) theta[k] += z * priors[k].sd_ln;
+        offer(theta);
+    }
+    for (Index k = 0; n > 1 && k < n; ++k) {
+        for (const double shift : {-1.4, -0.7, 0.7, 1.4}) {
+            Eigen::VectorXd theta = best;
+            theta[k] += shift;
+            offer(theta);
+        }
+    }
+    return best;
+}
+
+ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::VectorXd& start,
+                               const ModulusBounds& bounds) {
+    ModulusMinimum minimum;
+    minimum.theta = start;
+    if (problem.num_unknown() == 0) return minimum;
+    for (; minimum.steps < most_steps; ++minimum.steps) {
+        const auto here = problem.evaluate(minimum.theta, true);
+        minimum.hessian = problem.hessian(minimum.theta);
+        const Eigen::MatrixXd safe = made_definite(minimum.hessian, problem.priors());
+        Eigen::VectorXd step = -safe.llt().solve(here.gradient);
+        minimum.gradient_norm = std::sqrt(std::max(0.0, -here.gradient.dot(step)));
+        if (minimum.gradient_norm < small_gradient) break;
+        const double longest = step.cwiseAbs().maxCoeff();
+        if (longest > longest_step) step *= longest_step / longest;
+        double t = 1.0;
+        Eigen::VectorXd next = clamped(minimum.theta + step, bounds);
+        while (t > 1e-3 && problem.evaluate(next, false).objective > here.objective) {
+            t *= 0.5;
+            next = clamped(minimum.theta + t * step, bounds);
+        }
+        if (t <= 1e-3 || (next - minimum.theta).cwiseAbs().maxCoeff() < 1e-9) break;
+        minimum.theta = next;
+    }
+    return minimum;
+}
+
+}  // namespace palpate

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <vector>
+
+#include "solver/condense/condensation.hpp"
+
+namespace palpate {
+
+/// The mechanics that the inverse problem sees: equilibrium of the observed nodes,
+///   S_oo(E) u_o + S_od(E) u_d = 0,   S(E) = sum_r E_r S_r,
+/// exact for every modulus (method.md section 2). Matrices in mN/mm, displacements in mm.
+class ReducedModel {
+public:
+    /// `stiffness_kpa` [num regions]: the moduli of regions that are not changed later.
+    ReducedModel(std::vector<CondensedRegion> regions, Index num_observed, Index num_driven,
+                 std::vector<double> stiffness_kpa);
+
+    Index observed_dofs() const { return 3 * num_observed_; }
+    Index driven_dofs() const { return 3 * num_driven_; }
+    const std::vector<CondensedRegion>& regions() const { return regions_; }
+    const std::vector<double>& stiffness_kpa() const { return stiffness_kpa_; }
+    void set_stiffness(Index region, double value_kpa) { stiffness_kpa_[region] = value_kpa; }
+    /// Whether a region's modulus has any influence on the observed nodes.
+    bool has_region(Index region) const;
+
+    /// S_oo at the present moduli, [observed_dofs, observed_dofs].
+    Eigen::MatrixXd stiffness() const;
+    /// S_od u_d at the present moduli.
+    Eigen::VectorXd coupling_times(const Eigen::VectorXd& driven) const;
+    /// u_o for given u_d: one dense factorisation of S_oo. Throws Error(solve_failed) if S_oo is not
+    /// positive definite.
+    Eigen::VectorXd observed_displacement(const Eigen::VectorXd& driven) const;
+
+    /// y += scale S_r x for one region's observed block; x has observed_dofs rows.
+    void add_observed_product(const CondensedRegion& region, double scale, const Eigen::MatrixXd& x,
+                              Eigen::MatrixXd& y) const;
+    /// S_r,od u_d of one region at unit modulus, scattered to observed_dofs rows.
+    Eigen::VectorXd unit_coupling_times(const CondensedRegion& region,
+                                        const Eigen::VectorXd& driven) const;
+
+private:
+    std::vector<CondensedRegion> regions_;
+    Index num_observed_;
+    Index num_driven_;
+    std::vector<double> stiffness_kpa_;
+};
+
+/// Cholesky factor of a dense symmetric matrix; Error(solve_failed) naming `what` if it fails.
+Eigen::LLT<Eigen::MatrixXd> cholesky(const Eigen::MatrixXd& matrix, const char* what);
+
+}  // namespace palpate

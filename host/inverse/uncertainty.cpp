@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/inverse/uncertainty.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+Eigen::MatrixXd laplace_covariance(const LinearisedProblem& problem, const Eigen::VectorXd& theta) {
+    const Eigen::MatrixXd hessian = problem.hessian(theta);
+    if (hessian.size() == 0) return hessian;
+    double floor = 1e300;
+    for (const auto& prior : problem.priors()) {
+        floor = std::min(floor, 1.0 / (prior.sd_ln * prior.sd_ln));
+    }
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
+    const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(floor).cwiseInverse();
+    return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
+                         const Eigen::MatrixXd& covariance, Index unknown) {
+    constexpr int half_points = 12;
+    const double sd = std::sqrt(covariance(unknown, unknown));
+    const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
+    ProfileResult profile;
+    profile.region = problem.priors()[unknown].region;
+    for (int p = -half_points; p <= half_points; ++p) {
+        const Eigen::VectorXd at = theta + ridge * (4.0 * sd * p / half_points);
+        profile.stiffness_kpa.push_back(std::exp(at[unknown]));
+        profile.objective.push_back(problem.evaluate(at, false).objective);
+    }
+    const double lowest = *std::min_element(profile.objective.begin(), profile.objective.end());
+    for (double& value : profile.objective) value -= lowest;
+    return profile;
+}
+
+std::array<double, 2> profile_interval(const ProfileResult& profile, double best_kpa) {
+    const auto& x = profile.stiffness_kpa;
+    const auto& f = profile.objective;
+    const auto crossing = [&](std::size_t inside, std::size_t beyond) {
+        const double t = (profile_rise - f[inside]) / (f[beyond] - f[inside]);
+        return std::exp((1 - t) * std::log(x[inside]) + t * std::log(x[beyond]));
+    };
+    std::size_t best = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+        if (std::abs(std::log(x[k] / best_kpa)) < std::abs(std::log(x[best] / best_kpa))) best = k;
+    }
+    std::array<double, 2> interval{x.front(), x.back()};
+    for (std::size_t k = best; k + 1 < x.size(); ++k) {
+        if (f[k + 1] > profile_rise) {
+            interval[1] = crossing(k, k + 1);
+            break;
+        }
+    }
+    for (std::size_t k = best; k > 0; --k) {
+        if (f[k - 1] > profile_rise) {
+            interval[0] = crossing(k, k - 1);
+            break;
+        }
+    }
+    return interval;
+}
+
+}  // namespace palpate

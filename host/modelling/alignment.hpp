@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/imaging/label_field.hpp"
+#include "host/modelling/settings.hpp"
+#include "host/surfaces/distance_map.hpp"
+
+namespace palpate {
+
+enum class AlignMethod { automatic, fixed, centroid, none, transform };
+
+struct AlignmentResult {
+    std::string method;                      ///< "fixed", "centroid", "none", "transform"
+    RigidTransform reference_to_target;
+    double mean_distance_mm = 0;             ///< of the fixed surfaces after it, if any
+};
+
+/// Centroids of the organs that are not fixed: takes the reference centroid to the target's.
+RigidTransform align_centroids(const RegionImage& reference, const RegionImage& target,
+                               const Settings& settings);
+
+/// Rigid motion that brings the fixed organs' reference surfaces onto the target's, by Gauss-Newton
+/// on the signed distances, from `start`. `points` are surface points of the fixed organs (LPS mm),
+/// one list per map. Throws Error(input_unusable) if the surfaces end more than 5 mm apart.
+AlignmentResult align_surfaces(const std::vector<std::vector<Vec3>>& points,
+                               const std::vector<DistanceMap>& target_maps,
+                               const RigidTransform& start);
+
+}  // namespace palpate

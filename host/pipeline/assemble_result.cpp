@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/inverse/identifiability.hpp"
+#include "host/meshing/rasterise.hpp"
+#include "host/modelling/regions.hpp"
+#include "host/pipeline/finish.hpp"
+#include "host/pipeline/version.hpp"
+#include "host/pipeline/volumes.hpp"
+#include "host/surfaces/closest_point.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
+    std::vector<Vec3> points(values.size() / 3);
+    for (std::size_t k = 0; k < points.size(); ++k) points[k] = values.segment<3>(3 * k);
+    return points;
+}
+
+bool has_known_tissue(const Settings& settings) {
+    if (settings.background) return true;
+    return std::any_of(settings.organs.begin(), settings.organs.end(), [](const auto& organ) {
+        return !organ.hollow && organ.stiffness_kpa.has_value();
+    });
+}
+
+RegionResult background_result(const Settings& settings) {
+    RegionResult result;
+    result.region = background_region;
+    result.name = "background";
+    result.label = label_of_region(settings, background_region);
+    result.role = "background";
+    result.poisson_ratio = settings.background->poisson_ratio;
+    result.stiffness_kpa = settings.background->stiffness_kpa;
+    result.interval_kpa = {result.stiffness_kpa, result.stiffness_kpa};
+    result.verdict = "given";
+    result.reason = "reference tissue: every modulus is relative to it";
+    return result;
+}
+
+void describe_unknown(const Recovered& found, const Settings& settings, RegionResult& result) {
+    const auto& estimate = found.estimate;
+    result.unknown = true;
+    result.stiffness_kpa = found.recovery.model.materials[result.region].stiffness_kpa;
+    Verdict verdict = judge_unobserved(result.role == "driven");
+    result.sd_ln = settings.prior.stiffness_sd_ln;
+    const double spread = std::exp(1.96 * result.sd_ln);
+    result.interval_kpa = {result.stiffness_kpa / spread, result.stiffness_kpa * spread};
+    for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
+        if (estimate.unknown[k].region != result.region) continue;
+        const Index row = static_cast<Index>(k);
+        result.interval_kpa = estimate.interval_kpa[k];
+        result.sd_ln = std::sqrt(estimate.covariance(row, row));
+        verdict = judge(result.interval_kpa, result.sd_ln, estimate.unknown[k].sd_ln);
+    }
+    if (!has_known_tissue(settings)) verdict = judge_without_reference();
+    result.verdict = verdict.verdict;
+    result.reason = verdict.reason;
+}
+
+std::vector<RegionResult> region_results(const Recovered& found, const Settings& settings) {
+    std::vector<RegionResult> results;
+    if (settings.background) results.push_back(background_result(settings));
+    for (std::size_t k = 0; k < settings.organs.size(); ++k) {
+        const auto& organ = settings.organs[k];
+        RegionResult result;
+        result.region = first_organ_region + static_cast<Index>(k);
+        result.name = organ.name;
+        result.label = organ.label;
+        result.role = name_of(organ.role);
+        result.hollow = organ.hollow;
+        result.poisson_ratio = organ.poisson_ratio;
+        if (organ.hollow) {
+            result.verdict = "hollow";
+            result.reason = "its inside is not modelled";
+        } else if (organ.stiffness_kpa) {
+            result.stiffness_kpa = *organ.stiffness_kpa;
+            result.interval_kpa = {*organ.stiffness_kpa, *organ.stiffness_kpa};
+            result.verdict = "given";
+            result.reason = "set in the settings";
+        } else {
+            describe_unknown(found, settings, result);
+        }
+        results.push_back(std::move(result));
+    }
+    return results;
+}
+
+/// The target's surface as the distance map sees it, in the reference frame: the organ's own surface
+/// vertices carried onto it would hide errors, so it is taken from the target's label field.
+struct Distances {
+    double mean = 0, max = 0;
+};
+
+Distances summarise(const std::vector<double>& signed_mm, const std::vector<double>& area,
+                    const std::vector<std::uint8_t>& seen) {
+    Distances result;
+    double sum = 0;
+    for (std::size_t v = 0; v < signed_mm.size(); ++v) {
+        if (!seen[v]) continue;
+        result.mean += area[v] * std::abs(signed_mm[v]);
+        result.max = std::max(result.max, std::abs(signed_mm[v]));
+        sum += area[v];
+    }
+    if (sum > 0) result.mean /= sum;
+    return result;
+}
+
+std::vector<double> vertex_area(const Surface& surface) {
+    std::vector<double> area(surface.vertices.size(), 0.0);
+    for (const auto& t : surface.triangles) {
+        const Vec3& p = surface.vertices[t[0]];
+        const double third =
+            (surface.vertices[t[1]] - p).cross(surface.vertices[t[2]] - p).norm() / 6.0;
+        for (const Index v : t) area[v] += third;
+    }
+    return area;
+}
+
+SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelField& target,
+                             const Settings& settings) {
+    const ObservedSurface& observed = found.recovery.surfaces[s];
+    SurfaceResult result;
+    result.region = observed.region;
+    result.name = name_of_region(settings, observed.region);
+    result.role = observed.driven ? "driven" : "tissue";
+    result.reference = observed.surface;
+    result.node_of = observed.node_of;
+    const auto& map = found.maps.target[s];
+    std::vector<std::uint8_t> seen;
+    for (std::size_t v = 0; v < observed.node_of.size(); ++v) {
+        const Vec3& x = observed.surface.vertices[v];
+        const Vec3 u = found.displacement.segment<3>(3 * observed.node_of[v]);
+        result.distance_before_mm.push_back(map.value(x));
+        result.distance_after_mm.push_back(map.value(x + u));
+        seen.push_back(target.inside_box(found.alignment.reference_to_target.apply(x)));
+        if (observed.driven) {
+            result.resultant_force_mn += found.force.segment<3>(3 * observed.node_of[v]);
+        }
+    }
+    const auto area = vertex_area(observed.surface);
+    const auto before = summarise(result.distance_before_mm, area, seen);
+    const auto after = summarise(result.distance_after_mm, area, seen);
+    result.mean_distance_mm_before = before.mean;
+    result.max_distance_mm_before = before.max;
+    result.mean_distance_mm_after = after.mean;
+    result.max_distance_mm_after = after.max;
+    return result;
+}
+
+std::vector<std::vector<double>> correlation_of(const Eigen::MatrixXd& covariance) {
+    std::vector<std::vector<double>> rows(covariance.rows());
+    for (Index a = 0; a < covariance.rows(); ++a) {
+        for (Index b = 0; b < covariance.cols(); ++b) {
+            rows[a].push_back(covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b)));
+        }
+    }
+    return rows;
+}
+
+bool touches_border(const RegionSurface& surface, Index region) {
+    for (Index t = 0; t < surface.num_triangles(); ++t) {
+        if (!surface.on_image_border[t]) continue;
+        if (surface.regions[t][0] == region || surface.regions[t][1] == region) return true;
+    }
+    return false;
+}
+
+void add_volumes(const Recovered& found, const RegionImage& reference,
+                 const LabelField& reference_field, const RegionImage& target,
+                 const Settings& settings, RecoveryResult& result) {
+    const RigidTransform& transform = found.alignment.reference_to_target;
+    const auto field =
+        displacement_on_grid(found.mesh.mesh, as_points(found.displacement), reference.grid);
+    const auto before = carry_regions(reference_field, {}, transform, target.grid);
+    const auto after = carry_regions(reference_field, field, transform, target.grid);
+    for (auto& surface : result.surfaces) {
+        surface.dice_before = dice(before, target, surface.region);
+        surface.dice_after = dice(after, target, surface.region);
+    }
+    result.displacement_field = with_alignment(field, transform);
+    result.reference_labels = to_labels(before, settings);
+    result.target_labels_aligned = to_labels(target, settings);
+    result.warped_labels = to_labels(after, settings);
+}
+
+}  // namespace
+
+RecoveryResult assemble_result(const Recovered& found, const RegionImage& reference,
+                               const LabelField& reference_field, const RegionImage& target,
+                               const LabelField& target_field, const Settings& settings) {
+    RecoveryResult result;
+    result.settings = settings;
+    result.settings_toml = to_toml(settings);
+    result.version = version_text();
+    result.mesh = found.mesh;
+    result.mesher = found.mesher;
+    result.displacement = as_points(found.displacement);
+    result.force = as_points(found.force);
+    for (const Index region : found.mesh.mesh.region) {
+        result.tet_stiffness_kpa.push_back(found.recovery.model.materials[region].stiffness_kpa);
+    }
+    result.regions = region_results(found, settings);
+    result.correlation = correlation_of(found.estimate.covariance);
+    for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {
+        result.surfaces.push_back(surface_result(found, s, target_field, settings));
+        result.surfaces.back().cut_by_image =
+            touches_border(found.mesh.surface, result.surfaces.back().region);
+    }
+    result.profiles = found.estimate.profiles;
+    result.convergence = found.estimate.records;
+    result.alignment = found.alignment;
+    result.termination = found.estimate.termination;
+    result.device = found.device;
+    result.full_model_residual = found.relative_residual;
+    result.warnings = found.warnings;
+    add_volumes(found, reference, reference_field, target, settings, result);
+    return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/inverse/map_estimate.hpp"
+#include "host/modelling/alignment.hpp"
+#include "host/modelling/build_model.hpp"
+#include "host/objectives/surface_observations.hpp"
+#include "host/result/recovery_result.hpp"
+#include "solver/linear/linear_solver.hpp"
+
+namespace palpate {
+
+/// Everything the search leaves behind, before it is put into words and pictures.
+struct Recovered {
+    AlignmentResult alignment;
+    RegionMesh mesh;
+    MesherSummary mesher;
+    RecoveryModel recovery;
+    ObservedMaps maps;
+    MapEstimate estimate;
+    // Filled by `solve_full_model`:
+    Eigen::VectorXd displacement;      ///< [3 num_nodes] mm
+    Eigen::VectorXd force;             ///< [3 num_nodes] mN, reactions at prescribed nodes
+    double relative_residual = 0;
+    BackendInfo device;
+    std::vector<std::string> warnings;
+};
+
+/// Writes the estimated moduli into the model, solves the uncondensed equilibrium with the estimated
+/// wall motion on the device, and takes the forces as reactions, f = K u.
+/// Throws Error(solve_failed) if the solve misses its tolerance or leaves the condensed solution.
+void solve_full_model(Recovered& found, const LinearSolverOptions& options,
+                      const ProgressSink& progress);
+
+/// Verdicts, surface distances, Dice, volumes.
+RecoveryResult assemble_result(const Recovered& found, const RegionImage& reference,
+                               const LabelField& reference_field, const RegionImage& target,
+                               const LabelField& target_field, const Settings& settings);
+
+}  // namespace palpate

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/pipeline/finish.hpp"
+#include "solver/backend/registry.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// Largest difference allowed between the condensed and the full solution, relative to the largest
+/// displacement: both are solved to 1e-8, the condensed one through thousands of columns.
+constexpr double condensed_tolerance = 1e-4;
+
+void set_moduli(Recovered& found) {
+    auto& materials = found.recovery.model.materials;
+    for (std::size_t k = 0; k < found.estimate.unknown.size(); ++k) {
+        materials[found.estimate.unknown[k].region].stiffness_kpa =
+            std::exp(found.estimate.theta[static_cast<Index>(k)]);
+    }
+}
+
+/// f = K u on the host in fp64, kept at prescribed nodes.
+Eigen::VectorXd reactions(const Model& model, const Eigen::VectorXd& displacement) {
+    BackendOptions options;
+    options.precision = Precision::double_;
+    const auto host = make_backend("reference", options);
+    host->prepare(model);
+    const auto u = host->make_vector(model.num_dofs(), 1);
+    const auto f = host->make_vector(model.num_dofs(), 1);
+    host->copy_in({displacement.data(), static_cast<std::size_t>(displacement.size())}, *u);
+    host->internal_force(*u, *f);
+    Eigen::VectorXd force(model.num_dofs());
+    host->copy_out(*f, {force.data(), static_cast<std::size_t>(force.size())});
+    for (Index dof = 0; dof < model.num_dofs(); ++dof) {
+        if (!model.prescribed[dof]) force[dof] = 0;
+    }
+    return force;
+}
+
+void check_against_condensed(const Recovered& found) {
+    double difference = 0, largest = 0;
+    for (std::size_t k = 0; k < found.recovery.observed.size(); ++k) {
+        const Vec3 full = found.displacement.segment<3>(3 * found.recovery.observed[k]);
+        const Vec3 condensed = found.estimate.observed.segment<3>(3 * static_cast<Index>(k));
+        difference = std::max(difference, (full - condensed).norm());
+        largest = std::max(largest, full.norm());
+    }
+    if (difference > condensed_tolerance * std::max(largest, 1e-3)) {
+        throw Error(ErrorCode::solve_failed,
+                    fmt::format("the full model differs from the condensed one by {:.2g} mm; try "
+                                "--precision double or --backend reference",
+                                difference));
+    }
+}
+
+}  // namespace
+
+void solve_full_model(Recovered& found, const LinearSolverOptions& options,
+                      const ProgressSink& progress) {
+    set_moduli(found);
+    const Model& model = found.recovery.model;
+    const auto solver = make_linear_solver(model, options);
+    Columns right = Columns::Zero(model.num_dofs(), 1);
+    for (std::size_t k = 0; k < found.recovery.driven.size(); ++k) {
+        right.block<3, 1>(3 * found.recovery.driven[k], 0) =
+            found.estimate.driven.segment<3>(3 * static_cast<Index>(k));
+    }
+    Columns solution;
+    const LinearSolverSummary summary = solver->solve(right, solution, progress);
+    if (!summary.converged) {
+        throw Error(ErrorCode::solve_failed,
+                    fmt::format("the final solve reached a relative residual of {:.1e} instead of "
+                                "{:.1e} ({}); try --precision double or --backend reference",
+                                summary.relative_residual, options.relative_tolerance,
+                                summary.message));
+    }
+    found.displacement = solution.col(0);
+    found.relative_residual = summary.relative_residual;
+    found.device = solver->describe();
+    found.force = reactions(model, found.displacement);
+    check_against_condensed(found);
+}
+
+}  // namespace palpate

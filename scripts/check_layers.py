@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""Fails on any #include that points against the direction of data flow.
+
+A file may include its own folder and the folders listed for it, which are written below in the order
+of the layers. See CONTRIBUTING.md for the picture.
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+SOLVER_MODEL = ["solver/base", "solver/mesh", "solver/elements", "solver/materials", "solver/model"]
+BACKEND = SOLVER_MODEL + ["solver/backend"]
+SOLVER = BACKEND + ["solver/linear", "solver/adjoint", "solver/condense"]
+STATIONS = ["host/imaging", "host/surfaces", "host/meshing", "host/modelling", "host/objectives",
+            "host/inverse", "host/result", "host/report"]
+
+ALLOWED = {
+    "solver/base": [],
+    "solver/mesh": ["solver/base"],
+    "solver/elements": ["solver/base"],
+    "solver/materials": ["solver/base"],
+    "solver/model": SOLVER_MODEL,
+    "solver/backend": SOLVER_MODEL,
+    "solver/backends": BACKEND + ["solver/backends/reference", "solver/backends/opencl"],
+    "solver/backends/reference": BACKEND,
+    "solver/backends/opencl": BACKEND,
+    "solver/linear": BACKEND,
+    "solver/adjoint": BACKEND + ["solver/linear"],
+    "solver/condense": BACKEND + ["solver/linear"],
+    # The mesh program is licensed apart: it shares the exchange format and plain types, no more.
+    "host/mesh_tool": ["solver/base", "solver/mesh", "host/meshing/exchange"],
+    "host/phantom": SOLVER + STATIONS[:4],
+    "host/pipeline": SOLVER + STATIONS + ["host/phantom"],
+    "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
+}
+for position, station in enumerate(STATIONS):
+    ALLOWED[station] = SOLVER + STATIONS[:position]
+
+INCLUDE = re.compile(r'^\s*#\s*include\s+"((?:solver|host|kernels|tests)/[^"]+)"')
+
+
+def folder_of(path):
+    """The layer that a file belongs to: the longest folder with a rule."""
+    parent = path.parent
+    while str(parent) not in ALLOWED and parent != parent.parent:
+        parent = parent.parent
+    return str(parent)
+
+
+def is_allowed(source, included):
+    layer = folder_of(source)
+    if folder_of(included) == layer:
+        return True
+    name = str(included.with_suffix(""))
+    return any(folder_of(included) == rule or name == rule for rule in ALLOWED[layer])
+
+
+def violations():
+    for top in ("solver", "host"):
+        for path in sorted((ROOT / top).rglob("*")):
+            if path.suffix not in (".cpp", ".hpp", ".h"):
+                continue
+            source = path.relative_to(ROOT)
+            if folder_of(source) == ".":
+                yield f"{source}: no rule for its folder in scripts/check_layers.py"
+                continue
+            for number, line in enumerate(path.read_text().splitlines(), start=1):
+                match = INCLUDE.match(line)
+                if match and not is_allowed(source, pathlib.Path(match.group(1))):
+                    yield f"{source}:{number}: {folder_of(source)} may not include {match.group(1)}"
+
+
+def main():
+    found = list(violations())
+    for line in found:
+        print(line, file=sys.stderr)
+    print("layers: " + (f"{len(found)} includes against the flow" if found else "ok"))
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

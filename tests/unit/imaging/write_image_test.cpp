@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "host/imaging/io.hpp"
+#include "solver/base/error.hpp"
+#include "tests/unit/imaging/nifti_bytes.hpp"
+#include "tests/unit/imaging/voxelised.hpp"
+
+namespace palpate {
+namespace {
+
+using namespace testing;
+
+Image<Vec3> vector_image() {
+    Image<Vec3> image;
+    image.grid.size = {4, 3, 2};
+    image.grid.spacing = Vec3(2, 3, 4);
+    image.grid.origin = Vec3(10, -20, 30);
+    image.grid.direction = oblique_direction();
+    for (int n = 0; n < 24; ++n) image.voxels.emplace_back(n, -2 * n, 0.5 * n);
+    return image;
+}
+
+TEST(WriteVectorImage, IsFiveDimensionalNiftiWithVectorIntent) {
+    const ScratchFolder folder;
+
+    write_vector_image(folder / "u.nii.gz", vector_image());
+
+    const Bytes bytes = gunzipped(load_bytes(folder / "u.nii.gz"), 100000);
+    const std::int16_t dim[8] = {5, 4, 3, 2, 1, 3, 1, 1};
+    for (int n = 0; n < 8; ++n) EXPECT_EQ(get<std::int16_t>(bytes, 40 + 2 * n), dim[n]) << n;
+    EXPECT_EQ(get<std::int16_t>(bytes, 68), 1007);
+    EXPECT_EQ(get<std::int16_t>(bytes, 70), 16);  // float
+    EXPECT_EQ(bytes[123] & 7, 2);                 // mm
+    EXPECT_GT(get<std::int16_t>(bytes, 252), 0);
+    const auto offset = std::size_t(get<float>(bytes, 108));
+    ASSERT_EQ(bytes.size(), offset + 24 * 3 * 4);
+    for (int component = 0; component < 3; ++component) {
+        for (int n = 0; n < 24; ++n) {  // one component after the other, LPS
+            EXPECT_EQ(get<float>(bytes, offset + 4 * (24 * component + n)),
+                      float(vector_image().voxels[n][component]));
+        }
+    }
+}
+
+TEST(WriteVectorImage, LiesWhereItsGridSays) {
+    const ScratchFolder folder;
+    const Image<Vec3> image = vector_image();
+
+    write_vector_image(folder / "u.nii", image);
+
+    const Bytes bytes = load_bytes(folder / "u.nii");
+    for (const Vec3& index : {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 2, 0), Vec3(0, 0, 1)}) {
+        Vec3 ras;
+        for (int r = 0; r < 3; ++r) {
+            ras[r] = get<float>(bytes, 280 + 16 * r + 12);
+            for (int c = 0; c < 3; ++c)
+                ras[r] += get<float>(bytes, 280 + 16 * r + 4 * c) * index[c];
+        }
+        const Vec3 lps(-ras[0], -ras[1], ras[2]);
+        EXPECT_LT((lps - image.grid.to_point(index)).norm(), 1e-4);
+    }
+}
+
+TEST(WriteImage, RefusesOtherFormats) {
+    const ScratchFolder folder;
+    LabelImage labels{vector_image().grid, std::vector<std::uint16_t>(24, 1)};
+
+    EXPECT_THROW(write_vector_image(folder / "u.mha", vector_image()), Error);
+    EXPECT_THROW(write_label_image(folder / "a.mhd", labels), Error);
+    EXPECT_THROW(write_label_image(folder / "a.png", labels), Error);
+    labels.voxels.pop_back();
+    EXPECT_THROW(write_label_image(folder / "a.nii", labels), Error);
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(WriteImage, SaysWhichFileCouldNotBeWritten) {
+    const LabelImage labels{vector_image().grid, std::vector<std::uint16_t>(24, 1)};
+    try {
+        write_label_image("no-such-folder/a.nii.gz", labels);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::output_failed);
+        EXPECT_NE(std::string(error.what()).find("no-such-folder/a.nii.gz"), std::string::npos);
+    }
+}
+
+TEST(WriteImage, LeavesNoTemporaryFiles) {
+    const ScratchFolder folder;
+    write_label_image(folder / "a.nii.gz",
+                      {vector_image().grid, std::vector<std::uint16_t>(24, 1)});
+
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+        EXPECT_EQ(entry.path().filename(), "a.nii.gz");
+        ++count;
+    }
+    EXPECT_EQ(count, 1);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/inverse/marginal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <random>
+
+#include "host/inverse/modulus_search.hpp"
+#include "host/inverse/uncertainty.hpp"
+
+namespace palpate {
+namespace {
+
+/// Three regions with random definite blocks: background (1, known) and two unknown organs (2, 3)
+/// that share node 2.
+struct Fixture {
+    static constexpr Index num_observed = 5, num_driven = 4;
+    std::mt19937 random{7};
+    std::normal_distribution<double> normal;
+    ReducedModel model{regions(), num_observed, num_driven, {0, 10, 60, 60}};
+    Eigen::VectorXd driven = noise(3 * num_driven);
+    Eigen::VectorXd observed = noise(3 * num_observed);
+    Eigen::SparseMatrix<double> precision = diagonal(3 * num_driven, 0.2);
+    std::vector<LinearRow> rows = make_rows();
+    std::vector<ModulusPrior> priors{{2, std::log(60.0), 1.2}, {3, std::log(60.0), 1.2}};
+
+    Eigen::VectorXd noise(Index n) {
+        return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+    }
+    static Eigen::SparseMatrix<double> diagonal(Index n, double value) {
+        Eigen::SparseMatrix<double> matrix(n, n);
+        matrix.setIdentity();
+        return value * matrix;
+    }
+    CondensedRegion region(Index number, std::vector<Index> on, std::vector<Index> dn) {
+        CondensedRegion result{number, on, dn, {}, {}};
+        const Index n = 3 * static_cast<Index>(on.size());
+        Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+        result.observed_observed = root * root.transpose() / n + Eigen::MatrixXd::Identity(n, n);
+        result.observed_driven = Eigen::MatrixXd::NullaryExpr(
+            n, 3 * static_cast<Index>(dn.size()), [&] { return normal(random); });
+        return result;
+    }
+    std::vector<CondensedRegion> regions() {
+        return {region(1, {0, 1, 2, 3, 4}, {0, 1, 2, 3}), region(2, {0, 1, 2}, {}),
+                region(3, {2, 3, 4}, {1, 3})};
+    }
+    std::vector<LinearRow> make_rows() {
+        std::vector<LinearRow> result;
+        for (Index k = 0; k < num_driven; ++k) {
+            result.push_back({true, k, Vec3(noise(3)).normalized(), normal(random), 0.3});
+        }
+        for (Index k = 0; k < num_observed; ++k) {
+            result.push_back({false, k, Vec3(noise(3)).normalized(), normal(random), 0.4});
+        }
+        return result;
+    }
+    LinearisedProblem problem() const {
+        return {model, rows, driven, observed, precision, priors};
+    }
+};
+
+TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
+    // Straight from the definition with dense inverses: y ~ N(J m, R + J H^-1 J^T).
+    Fixture f;
+    const Eigen::Vector2d theta(4.0, 3.2);
+    ReducedModel model = f.model;
+    model.set_stiffness(2, std::exp(theta[0]));
+    model.set_stiffness(3, std::exp(theta[1]));
+    Eigen::MatrixXd hessian = f.precision;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(12);
+    Eigen::MatrixXd normals = Eigen::MatrixXd::Zero(15, 5);
+    Eigen::VectorXd target(5);
+    for (const auto& row : f.rows) {
+        const Index first = 3 * row.position;
+        if (row.on_driven) {
+            hessian.block<3, 3>(first, first) +=
+                row.normal * row.normal.transpose() / (row.sigma_mm * row.sigma_mm);
+            right.segment<3>(first) +=
+                row.normal * (row.normal.dot(f.driven.segment<3>(first)) - row.residual_mm) /
+                (row.sigma_mm * row.sigma_mm);
+        } else {
+            normals.block<3, 1>(first, row.position) = row.normal;
+            target[row.position] =
+                row.normal.dot(f.observed.segment<3>(first)) - row.residual_mm;
+        }
+    }
+    Eigen::MatrixXd coupling(15, 12);
+    for (Index c = 0; c < 12; ++c) coupling.col(c) = model.coupling_times(Eigen::VectorXd::Unit(12, c));
+    const Eigen::MatrixXd jacobian = -normals.transpose() * model.stiffness().inverse() * coupling;
+    const Eigen::VectorXd mean = hessian.inverse() * right;
+    const Eigen::MatrixXd covariance =
+        jacobian * hessian.inverse() * jacobian.transpose() +
+        0.16 * Eigen::MatrixXd::Identity(5, 5);
+    const Eigen::VectorXd error = target - jacobian * mean;
+    double expected = 0.5 * error.dot(covariance.inverse() * error) +
+                      0.5 * std::log(covariance.determinant());
+    for (int k = 0; k < 2; ++k) expected += 0.5 * std::pow((theta[k] - std::log(60.0)) / 1.2, 2);
+    const Eigen::VectorXd best =
+        mean + hessian.inverse() * jacobian.transpose() * covariance.inverse() * error;
+
+    const auto found = f.problem().evaluate(theta, false);
+
+    EXPECT_NEAR(found.objective, expected, 1e-9 * std::abs(expected));
+    EXPECT_LT((found.driven - best).norm(), 1e-9 * best.norm());
+    EXPECT_NEAR(found.effective_rows, 0.16 * covariance.inverse().trace(), 1e-9);
+}
+
+TEST(Marginal, GradientMatchesCentralDifferences) {
+    Fixture f;
+    const auto problem = f.problem();
+    const Eigen::Vector2d theta(3.1, 4.4);
+    const auto gradient = problem.evaluate(theta, true).gradient;
+
+    for (Index k = 0; k < 2; ++k) {
+        const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(2, k);
+        const double difference = (problem.evaluate(theta + step, false).objective -
+                                   problem.evaluate(theta - step, false).objective) /
+                                  2e-5;
+        EXPECT_NEAR(gradient[k], difference, 1e-6 * std::max(1.0, std::abs(difference)));
+    }
+}
+
+TEST(Marginal, SearchEndsWhereTheGradientVanishes) {
+    Fixture f;
+    const auto problem = f.problem();
+    const ModulusBounds bounds{std::log(0.01), std::log(1e6)};
+
+    const auto found = minimise_moduli(problem, scan_moduli(problem, bounds), bounds);
+
+    EXPECT_LT(problem.evaluate(found.theta, true).gradient.norm(), 1e-3);
+    for (const double shift : {-0.05, 0.05}) {
+        for (Index k = 0; k < 2; ++k) {
+            const Eigen::VectorXd near = found.theta + shift * Eigen::VectorXd::Unit(2, k);
+            EXPECT_GT(problem.evaluate(near, false).objective,
+                      problem.evaluate(found.theta, false).objective);
+        }
+    }
+}
+
+TEST(Uncertainty, ProfileIntervalOfAParabolaIsTheGaussianOne) {
+    ProfileResult profile;
+    const double sd = 0.2;
+    for (int k = -40; k <= 40; ++k) {
+        const double z = k / 10.0;
+        profile.stiffness_kpa.push_back(80 * std::exp(z * sd));
+        profile.objective.push_back(0.5 * z * z);
+    }
+
+    const auto interval = profile_interval(profile, 80);
+
+    EXPECT_NEAR(std::log(interval[1] / 80), 1.96 * sd, 1e-3);
+    EXPECT_NEAR(std::log(interval[0] / 80), -1.96 * sd, 1e-3);
+}
+
+}  // namespace
+}  // namespace palpate

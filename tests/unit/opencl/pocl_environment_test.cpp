@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PoclEnvironmentTest : public testing::Test {
+protected:
+    void SetUp() override {
+        temp = fs::temp_directory_path() / fmt::format("palpate-test-{}", getpid());
+        fs::create_directories(temp);
+    }
+    void TearDown() override { fs::remove_all(temp); }
+
+    struct Seen {
+        std::string folder;          ///< POCL_CACHE_DIR
+        std::string specialization;  ///< POCL_WORK_GROUP_SPECIALIZATION
+    };
+    /// What a process that uses OpenCL has in its environment.
+    Seen seen_with(const std::string& environment) const {
+        const fs::path answer = temp / "answer";
+        const std::string command = fmt::format(
+            "env -u POCL_CACHE_DIR -u POCL_WORK_GROUP_SPECIALIZATION TMPDIR={} {} {} > {}",
+            temp.string(), environment, POCL_ENVIRONMENT_PROGRAM, answer.string());
+        EXPECT_EQ(std::system(command.c_str()), 0) << command;
+        Seen seen;
+        std::ifstream file(answer);
+        std::getline(file, seen.folder);
+        std::getline(file, seen.specialization);
+        fs::remove(answer);
+        return seen;
+    }
+
+    fs::path temp;
+};
+
+TEST_F(PoclEnvironmentTest, CacheIsPrivateToTheProcessAndGoneAtExit) {
+    fs::create_directories(temp / "palpate-pocl-999999999-left" / "deep");
+
+    const std::string first = seen_with("").folder;
+    const std::string second = seen_with("").folder;
+
+    EXPECT_EQ(first.rfind((temp / "palpate-pocl-").string(), 0), 0u) << first;
+    EXPECT_EQ(second.rfind((temp / "palpate-pocl-").string(), 0), 0u) << second;
+    EXPECT_NE(first, second);
+    EXPECT_TRUE(fs::is_empty(temp)) << "a folder of this or of a dead process was left";
+}
+
+TEST_F(PoclEnvironmentTest, KernelsAreNotCompiledAgainAtTheirFirstLaunch) {
+    EXPECT_EQ(seen_with("").specialization, "0");
+}
+
+TEST_F(PoclEnvironmentTest, ChoicesOfTheUserAreKept) {
+    const fs::path own = temp / "own";
+    fs::create_directories(own);
+
+    const Seen seen =
+        seen_with("POCL_CACHE_DIR=" + own.string() + " POCL_WORK_GROUP_SPECIALIZATION=1");
+
+    EXPECT_EQ(seen.folder, own.string());
+    EXPECT_EQ(seen.specialization, "1");
+    EXPECT_TRUE(fs::exists(own));
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/findings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/report/synthetic_result.hpp"
+
+namespace palpate {
+namespace {
+
+TEST(Significant, KeepsThreeDigitsWithoutExponentInTheUsualRange) {
+    EXPECT_EQ(significant(83.24), "83.2");
+    EXPECT_EQ(significant(9.999), "10.0");
+    EXPECT_EQ(significant(1234.5), "1230");
+    EXPECT_EQ(significant(0.01234), "0.0123");
+    EXPECT_EQ(significant(-83.24), "-83.2");
+    EXPECT_EQ(significant(0), "0");
+    EXPECT_EQ(significant(1.5e7), "1.50e+07");
+    EXPECT_EQ(significant(NAN), "n/a");
+}
+
+TEST(Findings, SayStiffnessIntervalRatioAndVerdict) {
+    const RecoveryResult result = synthetic_result();
+
+    EXPECT_EQ(finding_sentence(result, result.regions[1]),
+              "prostate, transition zone: 83.2 kPa (95 % interval 61.4 to 113 kPa), 8.32 times "
+              "background (10.0 kPa, given). Verdict: recovered. the interval is narrower than a "
+              "factor of 2.");
+}
+
+TEST(Findings, GiveNoNumberForWhatCannotBeTold) {
+    RecoveryResult result = synthetic_result();
+    result.regions[1].verdict = "not identifiable";
+    result.regions[1].reason = "Its whole surface carries unknown forces";
+
+    const std::string text = finding_sentence(result, result.regions[1]);
+
+    EXPECT_EQ(text.find("83.2"), std::string::npos) << text;
+    EXPECT_NE(text.find("cannot be told"), std::string::npos) << text;
+    EXPECT_NE(text.find("unknown forces."), std::string::npos) << text;
+}
+
+TEST(Findings, SayLoudlyThatTheSearchDidNotConverge) {
+    RecoveryResult result = synthetic_result();
+    result.termination = {false, "the limit of 50 iterations was reached", 50};
+
+    EXPECT_NE(termination_sentence(result).find("did NOT converge after 50 iterations"),
+              std::string::npos);
+    EXPECT_EQ(summary_sentences(result).size(), 4u);
+}
+
+TEST(Findings, TotalIsTheSumOfTheStages) {
+    EXPECT_NEAR(total_seconds(synthetic_result()), 84.7, 1e-9);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/json_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/report/synthetic_result.hpp"
+
+namespace palpate {
+namespace {
+
+nlohmann::json parsed(const RecoveryResult& result) {
+    return nlohmann::json::parse(json_report(result));
+}
+
+TEST(JsonReport, HoldsTheFieldsThatProgramsReadByName) {
+    const nlohmann::json j = parsed(synthetic_result());
+
+    EXPECT_EQ(j["version"], "0.1.0");
+    ASSERT_EQ(j["regions"].size(), 6u);
+    const auto& region = j["regions"][1];
+    EXPECT_EQ(region["name"], "prostate, transition zone");
+    EXPECT_EQ(region["label"], 1);
+    EXPECT_EQ(region["role"], "tissue");
+    EXPECT_EQ(region["stiffness_kpa"], 83.24);
+    EXPECT_EQ(region["interval_kpa"], nlohmann::json({61.4, 112.8}));
+    EXPECT_EQ(region["verdict"], "recovered");
+    ASSERT_EQ(j["surfaces"].size(), 5u);
+    for (const char* key : {"name", "dice_before", "dice_after", "mean_distance_mm_before",
+                            "mean_distance_mm_after", "max_distance_mm_after"})
+        EXPECT_TRUE(j["surfaces"][2].contains(key)) << key;
+    EXPECT_EQ(j["surfaces"][3]["cut_by_image"], true);
+    EXPECT_EQ(j["mesh"]["nodes"], 5 * 29 * 48);
+    EXPECT_EQ(j["mesh"]["elements"], 3);
+    EXPECT_EQ(j["termination"]["converged"], true);
+    EXPECT_EQ(j["termination"]["iterations"], 9);
+    EXPECT_NEAR(j["timings_s"]["total"], 84.7, 1e-9);
+    EXPECT_NEAR(j["timings_s"]["meshing"], 6.3, 1e-12);
+    EXPECT_EQ(j["device"]["backend"], "opencl");
+    EXPECT_EQ(j["settings"]["background"]["stiffness_kpa"], 10.0);
+    EXPECT_EQ(j["settings"]["organ"][0]["stiffness_kpa"], "unknown");
+    EXPECT_EQ(j["settings"]["organ"][2]["hollow"], true);
+    EXPECT_EQ(j["settings"]["prior"]["noise_voxels"], 0.25);
+    EXPECT_EQ(j["alignment"]["method"], "fixed");
+    EXPECT_EQ(j["correlation"]["ln_stiffness"][0][1], -0.42);
+    EXPECT_EQ(j["correlation"]["regions"].size(), 2u);
+    EXPECT_EQ(j["profiles"][1]["name"], "prostate, peripheral zone");
+    EXPECT_EQ(j["profiles"][0]["objective"].size(), 21u);
+    EXPECT_EQ(j["convergence"].size(), 10u);
+    EXPECT_EQ(j["warnings"].size(), 1u);
+}
+
+TEST(JsonReport, HollowRegionsHaveNoStiffness) {
+    const nlohmann::json bladder = parsed(synthetic_result())["regions"][3];
+
+    EXPECT_TRUE(bladder["stiffness_kpa"].is_null());
+    EXPECT_TRUE(bladder["interval_kpa"][0].is_null());
+    EXPECT_EQ(bladder["verdict"], "hollow");
+}
+
+TEST(JsonReport, NumbersThatAreNotFiniteAreNull) {
+    RecoveryResult result = synthetic_result();
+    result.regions[1].interval_kpa[1] = INFINITY;
+    result.surfaces[0].dice_after = NAN;
+    result.profiles[0].objective[3] = NAN;
+    result.timings_s[0].second = NAN;
+
+    const nlohmann::json j = parsed(result);
+
+    EXPECT_TRUE(j["regions"][1]["interval_kpa"][1].is_null());
+    EXPECT_TRUE(j["surfaces"][0]["dice_after"].is_null());
+    EXPECT_TRUE(j["profiles"][0]["objective"][3].is_null());
+    EXPECT_NEAR(j["timings_s"]["total"], 83.9, 1e-9);
+    EXPECT_EQ(json_report(result).find("nan"), std::string::npos);
+}
+
+TEST(JsonReport, StagesThatRunTwiceAreAddedUp) {
+    RecoveryResult result = synthetic_result();
+    result.timings_s = {{"meshing", 1.0}, {"meshing", 2.5}};
+
+    EXPECT_EQ(parsed(result)["timings_s"]["meshing"], 3.5);
+}
+
+TEST(JsonReport, KeepsFileNamesAndSettingsTextToItself) {
+    EXPECT_EQ(json_report(synthetic_result()).find("SECRETPATIENT"), std::string::npos);
+    EXPECT_NE(json_report(synthetic_result(), true).find("SECRETPATIENT_target"),
+              std::string::npos);
+}
+
+TEST(JsonReport, TextThatIsNotUtf8IsRepairedInsteadOfThrown) {
+    RecoveryResult result = synthetic_result();
+    result.regions[1].name = "bad \xff name";
+
+    EXPECT_EQ(parsed(result)["regions"][1]["name"], "bad \xef\xbf\xbd name");
+}
+
+TEST(JsonReport, IsTheSameBytesEveryTime) {
+    EXPECT_EQ(json_report(synthetic_result()), json_report(synthetic_result()));
+}
+
+}  // namespace
+}  // namespace palpate

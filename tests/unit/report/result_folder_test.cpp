@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/result_folder.hpp"
+
+#include "host/imaging/io.hpp"
+#include "host/meshing/io.hpp"
+#include "solver/base/error.hpp"
+#include "tests/unit/report/synthetic_result.hpp"
+#include "tests/unit/report/temporary_folder.hpp"
+
+namespace palpate {
+namespace {
+
+class ResultFolder : public TemporaryFolderTest {
+protected:
+    /// The message with which `action` fails; it must be Error(output_failed).
+    template <typename Action>
+    static std::string refusal(const Action& action) {
+        try {
+            action();
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), ErrorCode::output_failed);
+            return e.what();
+        }
+        return "no error";
+    }
+    static void write_note(const std::filesystem::path& inside) {
+        write_text_file(inside / "result.json", "{}\n");
+    }
+};
+
+bool holds(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+TEST_F(ResultFolder, HoldsEveryFileAfterAWrite) {
+    const RecoveryResult result = synthetic_result();
+
+    write_result(result, folder / "out");
+
+    EXPECT_EQ(names_in(folder), "out");
+    EXPECT_EQ(names_in(folder / "out"),
+              "convergence.csv displacement.nii.gz mesh.vtu report.html result.json "
+              "warped_labels.nii.gz");
+}
+
+TEST_F(ResultFolder, MeshFileHoldsFileLabelsAndFields) {
+    const RecoveryResult result = synthetic_result();
+    write_result(result, folder / "out");
+
+    MeshArrays arrays;
+    const Mesh mesh = read_vtu(folder / "out" / "mesh.vtu", "region", &arrays);
+
+    EXPECT_EQ(mesh.num_nodes(), result.mesh.mesh.num_nodes());
+    EXPECT_EQ(mesh.region, (std::vector<Index>{1, 2, 0}));
+    EXPECT_EQ(arrays.cell_scalars.at("stiffness_kpa"), result.tet_stiffness_kpa);
+    EXPECT_LT((arrays.point_vectors.at("displacement")[70] - result.displacement[70]).norm(), 1e-6);
+    EXPECT_LT((arrays.point_vectors.at("force")[3000] - result.force[3000]).norm(), 1e-6);
+}
+
+TEST_F(ResultFolder, LabelFileIsReadBackTheSame) {
+    const RecoveryResult result = synthetic_result();
+    write_result(result, folder / "out");
+
+    const LabelImage labels = read_label_image(folder / "out" / "warped_labels.nii.gz");
+
+    EXPECT_EQ(labels.voxels, result.warped_labels.voxels);
+}
+
+TEST_F(ResultFolder, NamesNoInputFileAndNoFolderOfThisMachine) {
+    write_result(synthetic_result(), folder / "out");
+
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "out")) {
+        EXPECT_FALSE(holds(content_of(entry.path()), "SECRETPATIENT")) << entry.path();
+        EXPECT_FALSE(holds(content_of(entry.path()), folder.string())) << entry.path();
+    }
+}
+
+TEST_F(ResultFolder, ThatExistsIsRefused) {
+    std::filesystem::create_directory(folder / "out");
+
+    const std::string message = refusal([&] { write_result(synthetic_result(), folder / "out"); });
+
+    EXPECT_TRUE(holds(message, "exists already")) << message;
+    EXPECT_TRUE(holds(message, "--overwrite")) << message;
+    EXPECT_EQ(names_in(folder / "out"), "");
+    EXPECT_EQ(names_in(folder), "out");
+}
+
+TEST_F(ResultFolder, IsReplacedWhenThatIsAsked) {
+    write_folder_atomically(folder / "out", false, [](const auto& inside) {
+        write_note(inside);
+        write_text_file(inside / "old.txt", "old");
+    });
+
+    write_folder_atomically(folder / "out", true, write_note);
+
+    EXPECT_EQ(names_in(folder), "out");
+    EXPECT_EQ(names_in(folder / "out"), "result.json");
+}
+
+TEST_F(ResultFolder, WithoutAResultIsNeverReplaced) {
+    std::filesystem::create_directory(folder / "thesis");
+    std::ofstream(folder / "thesis" / "chapter.txt") << "years of work";
+
+    const std::string message = refusal([&] { check_result_folder(folder / "thesis", true); });
+
+    EXPECT_TRUE(holds(message, "no result of palpate")) << message;
+    EXPECT_THROW(write_result(synthetic_result(), folder / "thesis", {true, false}), Error);
+    EXPECT_EQ(content_of(folder / "thesis" / "chapter.txt"), "years of work");
+}
+
+TEST_F(ResultFolder, FailureInTheMiddleLeavesNothing) {
+    const auto half = [](const std::filesystem::path& inside) {
+        write_note(inside);
+        throw Error(ErrorCode::output_failed, "disk full");
+    };
+
+    EXPECT_EQ(refusal([&] { write_folder_atomically(folder / "a" / "b" / "out", false, half); }),
+              "disk full");
+
+    EXPECT_EQ(names_in(folder), "");
+}
+
+TEST_F(ResultFolder, FailureWhileReplacingKeepsTheOldOne) {
+    write_folder_atomically(folder / "out", false, write_note);
+
+    EXPECT_THROW(write_folder_atomically(folder / "out", true,
+                                         [](const auto&) { throw std::runtime_error("broken"); }),
+                 std::runtime_error);
+
+    EXPECT_EQ(names_in(folder), "out");
+    EXPECT_EQ(content_of(folder / "out" / "result.json"), "{}\n");
+}
+
+TEST_F(ResultFolder, ThatSomebodyElseMadeMeanwhileIsNotTouched) {
+    const auto slow = [&](const std::filesystem::path& inside) {
+        write_note(inside);
+        std::filesystem::create_directory(folder / "out");
+    };
+
+    EXPECT_NE(refusal([&] { write_folder_atomically(folder / "out", false, slow); }), "no error");
+    EXPECT_EQ(names_in(folder), "out");
+    EXPECT_EQ(names_in(folder / "out"), "");
+}
+
+TEST_F(ResultFolder, ParentsAreMadeAndATrailingSlashIsFine) {
+    write_folder_atomically(folder / "a" / "b" / "out/", false, write_note);
+
+    EXPECT_EQ(names_in(folder / "a" / "b"), "out");
+}
+
+TEST_F(ResultFolder, InsideAFileIsRefused) {
+    std::ofstream(folder / "file") << "x";
+
+    EXPECT_NE(refusal([&] { check_result_folder(folder / "file" / "out", false); }), "no error");
+    EXPECT_NE(refusal([&] { write_folder_atomically(folder / "file" / "out", false, write_note); }),
+              "no error");
+}
+
+TEST_F(ResultFolder, InAFolderWithoutWritePermissionIsRefused) {
+    if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere; the /proc test stands in";
+    std::filesystem::permissions(
+        folder, std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+
+    EXPECT_TRUE(holds(refusal([&] { check_result_folder(folder / "out", false); }), "written to"));
+
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
+}
+
+TEST_F(ResultFolder, WhereTheSystemForbidsItIsRefused) {
+    const std::string message =
+        refusal([&] { write_folder_atomically("/proc/palpate_result", false, write_note); });
+
+    EXPECT_TRUE(holds(message, "/proc/palpate_result")) << message;
+    EXPECT_TRUE(holds(message, "--out")) << message;
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/report/text_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "tests/unit/report/synthetic_result.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+TEST(TextReport, AlignsItsColumns) {
+    const auto lines = lines_of(text_report(synthetic_result()));
+
+    EXPECT_EQ(
+        lines[0],
+        "Region                     Label  Role        Stiffness kPa  95 % interval  Verdict");
+    EXPECT_EQ(
+        lines[3],
+        "prostate, transition zone      1  tissue               83.2    61.4 to 113  recovered");
+    EXPECT_EQ(lines[5],
+              "bladder                        3  driven                  -              -  hollow");
+    EXPECT_EQ(lines[13],
+              "rectum *                   driven        0.860  0.980            0.58   0.11"
+              "           3.73   0.25");
+}
+
+TEST(TextReport, CountsCharactersNotBytesAndHidesControlCharacters) {
+    RecoveryResult r;
+    r.regions.push_back(
+        {2, "H\xc3\xb6hle\x1b[2J", 1, "tissue", false, false, 0.4, 5, {5, 5}, 0, "given", ""});
+    const auto lines = lines_of(text_report(r));
+
+    EXPECT_EQ(lines[2], "H\xc3\xb6hle?[2J      1  tissue           5.00              -  given");
+    EXPECT_EQ(lines[0], "Region     Label  Role    Stiffness kPa  95 % interval  Verdict");
+}
+
+TEST(TextReport, EndsWithWarningsAndHowTheSearchEnded) {
+    const auto lines = lines_of(text_report(synthetic_result()));
+
+    EXPECT_EQ(lines[lines.size() - 2], "Warning: rectum is cut by the field of view at both ends");
+    EXPECT_EQ(lines.back().substr(0, 43), "The search converged after 9 iterations in ");
+}
+
+TEST(ConvergenceCsv, HasOneLinePerIterationAndQuotesNames) {
+    RecoveryResult r = synthetic_result();
+    r.regions[1].name = "a \"b\", c";
+    r.convergence = {{0, 2.5, NAN, 1, {10, 20}}, {1, 0.5, 0.25, 0, {30}}};
+
+    EXPECT_EQ(convergence_csv(r),
+              "iteration,objective,gradient_norm,step,\"stiffness_kpa a \"\"b\"\", c\","
+              "\"stiffness_kpa prostate, peripheral zone\"\n0,2.5,,1,10,20\n1,0.5,0.25,0,30,\n");
+}
+
+}  // namespace
+}  // namespace palpate
