@@ -66,7 +66,14 @@ struct Placed {
     double gap_to(const Placed& other) const {
         return gap_between(shape, points, other.shape, other.points);
     }
-    /// Moves along `direction` until the distance to `other` is `gap_mm`.
+    /// Lets `other`, which must stay where it is, dent this organ.
+    void dent_by(const Placed& other, double gap_mm) {
+        shape.dented_by = std::make_shared<const OrganShape>(other.shape);
+        shape.dent_gap_mm = gap_mm;
+        points = surface_points(shape);
+    }
+    /// Moves along `direction` until the distance to `other` is `gap_mm`; less than zero: an
+    /// overlap.
     void place_at_gap(const Placed& other, const Vec3& direction, double gap_mm) {
         constexpr int most_steps = 14;
         constexpr double tolerance_mm = 0.05;
@@ -89,20 +96,25 @@ struct Placed {
 void place_organs(std::vector<Placed>& organs, RandomNumbers& random) {
     constexpr double smallest_gap_mm = 4.0;
     constexpr double smallest_bone_gap_mm = 8.0;
-    const double bladder_gap = random.uniform(2.5, 5.5), rectum_gap = random.uniform(2.5, 5.5);
+    const auto gap = [&] { return random.uniform(3.2, 6.0); };
+    const auto overlap = [&] { return random.uniform(-6, -3); };
 
-    const Vec3 up_and_forward(random.uniform(-0.08, 0.08), random.uniform(-0.45, -0.2), 1);
+    const Vec3 up_and_forward{random.uniform(-0.08, 0.08), random.uniform(-0.45, -0.2), 1};
     organs[bladder].shape.centre = 42 * up_and_forward;
-    organs[bladder].place_at_gap(organs[prostate], up_and_forward.normalized(), bladder_gap);
+    organs[bladder].place_at_gap(organs[prostate], up_and_forward.normalized(), overlap());
+    organs[bladder].dent_by(organs[prostate], gap());
 
-    organs[rectum].shape.centre = Vec3(random.uniform(-3, 3), 36, random.uniform(-8, 0));
+    const double rectum_overlap = 0.7 * overlap();
+    organs[rectum].shape.centre = Vec3{random.uniform(-3, 3), 36, random.uniform(-8, 0)};
     for (int n = 0; n < 3; ++n) {
-        organs[rectum].place_at_gap(organs[prostate], Vec3(0, 1, 0), rectum_gap);
+        organs[rectum].place_at_gap(organs[prostate], Vec3(0, 1, 0), rectum_overlap);
         organs[rectum].keep_away(organs[bladder], Vec3(0, 0, -1), smallest_gap_mm);
     }
+    organs[rectum].dent_by(organs[prostate], gap());
+
     for (const auto& [bone, side] : {std::pair{bone_left, 1.0}, std::pair{bone_right, -1.0}}) {
         const Vec3 outward(side, 0, 0);
-        organs[bone].shape.centre = Vec3(side * 46, random.uniform(-8, 4), random.uniform(-6, 4));
+        organs[bone].shape.centre = Vec3{side * 46, random.uniform(-8, 4), random.uniform(-6, 4)};
         organs[bone].place_at_gap(organs[prostate], outward, random.uniform(11, 15));
         organs[bone].keep_away(organs[bladder], outward, smallest_bone_gap_mm);
         organs[bone].keep_away(organs[rectum], outward, smallest_bone_gap_mm);

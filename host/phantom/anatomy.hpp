@@ -21,9 +21,9 @@ struct PelvisAnatomy {
 };
 
 /// An anatomy that varies with the seed: prostate of 30 to 65 cm^3 at the origin, bladder above and
-/// in front and rectum behind it at gaps of 2.5 to 5.5 mm, bones 11 to 15 mm to its sides, no two
-/// organs closer than 2 mm, at least 20 mm of tissue to the sides of the box. The box holds whole
-/// voxels of `spacing` (mm); it is the same for all spacings that divide 6 mm.
+/// in front and rectum behind it, dented by it at gaps of 3.2 to 6 mm, bones 11 to 15 mm to its
+/// sides, no two organs closer than 2 mm, at least 20 mm of tissue to the sides of the box. The box
+/// holds whole voxels of `spacing` (mm); it is the same for all spacings that divide 6 mm.
 PelvisAnatomy make_anatomy(unsigned seed, const Vec3& spacing);
 
 /// The whole number of voxels of about `spacing` (exact if it is the anatomy's) that fill the box.

@@ -8,14 +8,21 @@
 namespace palpate {
 namespace {
 
-Vec3 gradient_of_value(const OrganShape& shape, const Vec3& x) {
-    constexpr double h = 0.05;
+/// Direction of the gradient of `value`, by central differences over `h` to both sides.
+Vec3 gradient_direction(const OrganShape& shape, const Vec3& x, double h) {
     Vec3 gradient;
     for (int axis = 0; axis < 3; ++axis) {
         const Vec3 e = h * Vec3::Unit(axis);
-        gradient[axis] = (shape.value(x + e) - shape.value(x - e)) / (2 * h);
+        gradient[axis] = shape.value(x + e) - shape.value(x - e);
     }
-    return gradient;
+    return gradient.normalized();
+}
+
+/// The larger of two numbers, rounded off where they differ by less than 3 mm.
+double smooth_maximum(double a, double b) {
+    constexpr double width_mm = 3;
+    const double t = std::clamp(0.5 + 0.5 * (b - a) / width_mm, 0.0, 1.0);
+    return (1 - t) * a + t * b + width_mm * t * (1 - t);
 }
 
 /// The points which, shifted, lie within `distance` of the bounding box of `others`.
@@ -56,7 +63,7 @@ double SmoothField::operator()(const Vec3& x) const {
     return sum;
 }
 
-double OrganShape::value(const Vec3& x) const {
+double OrganShape::undented_value(const Vec3& x) const {
     Vec3 q = axes.transpose() * (x - centre);
     if (warp_mm > 0) q += warp_mm * Vec3(warp[0](q), warp[1](q), warp[2](q));
     const double along = std::clamp(q[2] / semi_axes[2], -1.5, 1.5);
@@ -76,7 +83,14 @@ double OrganShape::value(const Vec3& x) const {
     return (k0 - 1) / std::hypot(d_rho * rho_slope, d_height / semi_axes[2]);
 }
 
-Vec3 OrganShape::normal(const Vec3& x) const { return gradient_of_value(*this, x).normalized(); }
+double OrganShape::value(const Vec3& x) const {
+    const double own = undented_value(x);
+    return dented_by ? smooth_maximum(own, dent_gap_mm - dented_by->value(x)) : own;
+}
+
+Vec3 OrganShape::normal(const Vec3& x) const { return gradient_direction(*this, x, 0.05); }
+
+Vec3 OrganShape::smooth_normal(const Vec3& x) const { return gradient_direction(*this, x, 5.0); }
 
 double OrganShape::reach() const {
     return 1.1 * semi_axes.maxCoeff() * (1 + std::abs(taper)) + std::abs(bend_mm) + 2 * warp_mm + 2;

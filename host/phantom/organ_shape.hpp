@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "host/phantom/random_numbers.hpp"
@@ -36,13 +37,22 @@ struct OrganShape {
     double bend_mm = 0;    ///< how far both ends of the third axis lie back (own y)
     double warp_mm = 0;    ///< amplitude of the random warp
     std::array<SmoothField, 3> warp;
+    /// Another organ (where it lies) that dents this one: the wall keeps `dent_gap_mm` away from it
+    /// and follows its surface, as neighbouring organs do.
+    std::shared_ptr<const OrganShape> dented_by;
+    double dent_gap_mm = 0;
 
     /// About the signed distance (mm, negative inside), exact in sign, good near the surface.
     double value(const Vec3& x) const;
     /// Unit gradient of `value`: the outward normal on the surface.
     Vec3 normal(const Vec3& x) const;
+    /// The same from differences over some millimetres: it turns slowly across the rim of a dent.
+    Vec3 smooth_normal(const Vec3& x) const;
     /// A radius about the centre that holds the organ.
     double reach() const;
+
+private:
+    double undented_value(const Vec3& x) const;
 };
 
 /// Points on the surface, relative to the centre: one along each of `num_points` evenly spread rays

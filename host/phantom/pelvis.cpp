@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <tuple>
 
 #include "host/phantom/anatomy.hpp"
 #include "host/phantom/deform.hpp"
@@ -131,8 +132,8 @@ void add_landmarks(PelvisPhantom& phantom, const PelvisAnatomy& anatomy, unsigne
     }
 }
 
-/// Rms distance that the best rigid motion from `x` to `x + u` leaves (Kabsch).
-double shape_change(const std::vector<Vec3>& x, const std::vector<Vec3>& u) {
+/// Rms and largest distance that the best rigid motion from `x` to `x + u` leaves (Kabsch).
+std::pair<double, double> shape_change(const std::vector<Vec3>& x, const std::vector<Vec3>& u) {
     Vec3 centre = Vec3::Zero(), mean = Vec3::Zero();
     for (std::size_t n = 0; n < x.size(); ++n) {
         centre += x[n] / double(x.size());
@@ -145,11 +146,13 @@ double shape_change(const std::vector<Vec3>& x, const std::vector<Vec3>& u) {
     const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
     const Mat3 rotation = svd.matrixU() * Vec3(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-    double sum = 0;
+    double sum = 0, largest = 0;
     for (std::size_t n = 0; n < x.size(); ++n) {
-        sum += (x[n] + u[n] - centre - mean - rotation * (x[n] - centre)).squaredNorm();
+        const Vec3 left = x[n] + u[n] - centre - mean - rotation * (x[n] - centre);
+        sum += left.squaredNorm();
+        largest = std::max(largest, left.norm());
     }
-    return std::sqrt(sum / double(x.size()));
+    return {std::sqrt(sum / double(x.size())), largest};
 }
 
 void describe_prostate(const PelvisPhantom& phantom, PelvisTruth& truth) {
@@ -162,7 +165,8 @@ void describe_prostate(const PelvisPhantom& phantom, PelvisTruth& truth) {
         truth.prostate_mean_displacement_mm += u.back().norm();
     }
     truth.prostate_mean_displacement_mm /= double(x.size());
-    truth.prostate_shape_change_mm = shape_change(x, u);
+    std::tie(truth.prostate_shape_change_mm, truth.prostate_largest_shape_change_mm) =
+        shape_change(x, u);
 }
 
 void describe_walls(const PelvisPhantom& phantom, const std::vector<WallMotion>& motions,

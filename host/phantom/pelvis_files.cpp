@@ -74,7 +74,8 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"solve_relative_residual", truth.solve_residual},
         {"peak_displacement_mm", truth.peak_displacement_mm},
         {"prostate_mean_displacement_mm", truth.prostate_mean_displacement_mm},
-        {"prostate_shape_change_mm", truth.prostate_shape_change_mm},
+        {"prostate_shape_change_rms_mm", truth.prostate_shape_change_mm},
+        {"prostate_shape_change_largest_mm", truth.prostate_largest_shape_change_mm},
     };
     return json.dump(2) + "\n";
 }

@@ -14,12 +14,14 @@ WallMotion::WallMotion(const PelvisAnatomy& anatomy, PelvisOrgan organ, RandomNu
     const double sign = random.is_below(0.65) ? 1.0 : -1.0;
     const OrganShape& shape = anatomy.organs[organ];
     to_prostate_ = (anatomy.organs[prostate].centre - shape.centre).normalized();
-    expansion_mm_ = sign * random.uniform(3, 5);
-    push_mm_ = sign * random.uniform(1, 2.5);
+    const double amount = sign > 0 ? 1.0 : 0.7;  // a wall that shrinks folds sooner than it tears
+    expansion_mm_ = sign * amount * random.uniform(3, 5);
+    push_mm_ = sign * amount * random.uniform(1, 2.5);
     tangential_mm_ = random.uniform(0.4, 1.0);
-    shift_mm_ = sign * random.uniform(1.5, 3.5) * to_prostate_ +
-                random.uniform(-1.5, 1.5) * Vec3::UnitX() +
-                random.uniform(-1, 1) * to_prostate_.cross(Vec3::UnitX()).normalized();
+    const Vec3 across = to_prostate_.cross(Vec3::UnitX()).normalized();
+    const double towards_mm = sign * random.uniform(2, 4.5);
+    const double sideways_mm = random.uniform(-1.5, 1.5), across_mm = random.uniform(-1, 1);
+    shift_mm_ = towards_mm * to_prostate_ + sideways_mm * Vec3::UnitX() + across_mm * across;
     variation_ = SmoothField(random, 35, 70);
     for (SmoothField& field : tangential_) field = SmoothField(random, 40, 80);
 }
@@ -37,7 +39,7 @@ double WallMotion::normal_part(const Vec3& x, const Vec3& normal) const {
 }
 
 Vec3 WallMotion::displacement(const Vec3& x) const {
-    const Vec3 n = anatomy_->organs[organ_].normal(x);
+    const Vec3 n = anatomy_->organs[organ_].smooth_normal(x);
     const Vec3 t = tangential_mm_ * Vec3(tangential_[0](x), tangential_[1](x), tangential_[2](x));
     return normal_part(x, n) * n + shift_mm_ + (t - t.dot(n) * n);
 }

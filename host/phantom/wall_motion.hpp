@@ -12,7 +12,8 @@ namespace palpate {
 /// How the wall of one hollow organ moves: w = a(x) n(x) + shift + the tangential part of t(x),
 /// with
 ///   a = (expansion (1 + 0.3 s(x)) + push max(0, n . e)^2) * (less close to other walls), mm,
-/// s and t smooth random fields, n the outward normal and e the direction to the prostate.
+/// s and t smooth random fields, n the smoothed outward normal
+/// and e the direction to the prostate.
 class WallMotion {
 public:
     WallMotion(const PelvisAnatomy& anatomy, PelvisOrgan organ, RandomNumbers& random);
