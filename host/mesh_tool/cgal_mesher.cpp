@@ -8,7 +8,9 @@
 #include <CGAL/Mesh_domain_with_polyline_features_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/make_mesh_3.h>
+#include <CGAL/Random.h>
 #include <CGAL/version.h>
+
 
 #include <algorithm>
 #include <cmath>
@@ -34,13 +36,15 @@ using Point = Domain::Point_3;
 
 constexpr double growth = 0.35;           ///< of the edge length, mm per mm from an interface
 constexpr double node_tolerance = 0.15;   ///< of the wanted number of nodes
-constexpr int max_tries = 4;
+constexpr int max_tries = 5;
+constexpr double volume_tolerance = 0.035;
 constexpr double facet_angle_deg = 25;
-constexpr double facet_distance = 0.12;   ///< of the edge length on organs
+constexpr double least_facet_distance = 0.04;  ///< of the edge length
 constexpr double radius_edge_ratio = 2.5;
 constexpr double surface_error = 1e-5;    ///< of the size of the box, of points on interfaces
-constexpr double sliver_deg = 12;         ///< dihedral angles below are improved
-constexpr double improve_limit_s = 20;    ///< a limit only for inputs that never settle
+constexpr double sliver_deg = 8;          ///< dihedral angles below are improved; 12 never settles
+constexpr double improve_limit_s = 30;    ///< for inputs that never settle: usual is below 1 s
+constexpr double seed_distance = 0.25;    ///< of the edge length, between seeds
 constexpr double on_box = 1e-3;           ///< of the edge length: hull nodes that near lie on the box
 
 Vec3 to_vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
@@ -60,14 +64,29 @@ struct Sizing {
     }
 };
 
-Criteria make_criteria(const LabelGrid& labels, double edge, double outer) {
+/// How far facets may be from the interface (mm), by region number: an interface takes the smaller
+/// value of its two regions.
+struct Closeness {
+    using FT = Domain::FT;
+    using Point_3 = Domain::Point_3;
+    using Index = Domain::Index;
+
+    std::vector<double> by_region;
+
+    double operator()(const Point_3&, int, const Index& index) const {
+        const auto* patch = boost::get<Domain::Surface_patch_index>(&index);
+        return patch ? std::min(by_region[patch->first], by_region[patch->second]) : by_region[0];
+    }
+};
+
+Criteria make_criteria(const LabelGrid& labels, const Closeness& closeness, double edge, double outer) {
     namespace p = CGAL::parameters;
     // Mesh_3 bounds radii; the radius round a regular triangle or tet of edge 1 is about 0.6, and
     // the edges of a refined mesh come out at about 0.8 of the bound
     return Criteria(p::edge_size = Sizing{&labels, edge, outer, 1.0},
                     p::facet_angle = facet_angle_deg,
                     p::facet_size = Sizing{&labels, edge, outer, 0.75},
-                    p::facet_distance = facet_distance * edge,
+                    p::facet_distance = closeness,
                     p::cell_radius_edge_ratio = radius_edge_ratio,
                     p::cell_size = Sizing{&labels, edge, outer, 0.75});
 }
@@ -98,11 +117,11 @@ Domain make_domain(const LabelGrid& labels) {
 /// Protects the box edges, then seeds every connected part of every region with points of its
 /// surface, so that none is overlooked.
 void start(Complex& complex, const Domain& domain, const Criteria& criteria,
-           const LabelGrid& labels) {
+           const std::vector<InterfacePoint>& seeds) {
     CGAL::Mesh_3::internal::init_c3t3_with_features(complex, domain, criteria);
     auto& triangulation = complex.triangulation();
     const auto weighted = triangulation.geom_traits().construct_weighted_point_3_object();
-    for (const InterfacePoint& seed : labels.interface_points()) {
+    for (const InterfacePoint& seed : seeds) {
         const auto vertex = triangulation.insert(weighted(to_point(seed.point)));
         if (vertex == Triangulation::Vertex_handle() || complex.in_dimension(vertex) >= 0) continue;
         complex.set_dimension(vertex, 2);
@@ -119,17 +138,10 @@ void refine(Complex& complex, const Domain& domain, const Criteria& criteria) {
 
 void improve(Complex& complex, const Domain& domain) {
     namespace p = CGAL::parameters;
+    CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = sliver_deg);
     CGAL::perturb_mesh_3(complex, domain, p::time_limit = improve_limit_s,
                          p::sliver_bound = sliver_deg);
     CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = sliver_deg);
-}
-
-std::size_t num_used_nodes(const Complex& complex) {
-    std::size_t count = 0;
-    for (auto v = complex.triangulation().finite_vertices_begin();
-         v != complex.triangulation().finite_vertices_end(); ++v)
-        count += complex.in_dimension(v) >= 0;
-    return count;
 }
 
 Mesh to_mesh(const Complex& complex) {
@@ -151,6 +163,33 @@ Mesh to_mesh(const Complex& complex) {
     return mesh;
 }
 
+Closeness first_closeness(const VolumeJob& job) {
+    const Index largest = *std::max_element(job.region_numbers.begin(), job.region_numbers.end());
+    const double most = *std::max_element(job.facet_distances.begin(), job.facet_distances.end());
+    Closeness closeness{std::vector<double>(std::size_t(largest) + 1, most)};
+    for (std::size_t r = 0; r < job.region_numbers.size(); ++r)
+        closeness.by_region[job.region_numbers[r]] = job.facet_distances[r];
+    return closeness;
+}
+
+/// Asks for closer facets where a region lost volume; false if there was no need.
+bool tighten(Closeness& closeness, const Mesh& mesh, const VolumeJob& job) {
+    std::vector<double> volume(closeness.by_region.size(), 0.0);
+    for (Index t = 0; t < mesh.num_tets(); ++t)
+        volume[mesh.region[t]] += std::abs(tet_volume(mesh, t));
+    bool tightened = false;
+    for (std::size_t r = 0; r < job.region_numbers.size(); ++r) {
+        const Index region = job.region_numbers[r];
+        const double wanted = job.volumes[r];
+        if (region == 0 || std::abs(volume[region] - wanted) <= volume_tolerance * wanted) continue;
+        double& distance = closeness.by_region[region];
+        if (distance <= least_facet_distance * job.edge_length_mm) continue;
+        distance *= 0.5;
+        tightened = true;
+    }
+    return tightened;
+}
+
 /// Nodes of the hull that lie on the box but for the search error are put exactly there.
 void snap_to_box(MeshReply& reply, const Vec3& low, const Vec3& high, double tolerance) {
     for (std::size_t i = 0; i < reply.triangles.size(); ++i) {
@@ -169,19 +208,24 @@ void snap_to_box(MeshReply& reply, const Vec3& low, const Vec3& high, double tol
 std::string cgal_name() { return "CGAL " CGAL_VERSION_STR; }
 
 MeshReply mesh_with_cgal(const VolumeJob& job) {
+    CGAL::get_default_random() = CGAL::Random(0);
     const LabelGrid labels(job);
     const Domain domain = make_domain(labels);
+    Closeness closeness = first_closeness(job);
+    const auto seeds = labels.interface_points(seed_distance * job.edge_length_mm);
     Complex complex;
     double scale = 1;
     for (int i = 0; i < max_tries; ++i) {
         complex = Complex();
-        const Criteria criteria = make_criteria(labels, scale * job.edge_length_mm,
+        const Criteria criteria = make_criteria(labels, closeness, scale * job.edge_length_mm,
                                                 scale * job.outer_edge_length_mm);
-        start(complex, domain, criteria, labels);
+        start(complex, domain, criteria, seeds);
         refine(complex, domain, criteria);
-        const double ratio = static_cast<double>(num_used_nodes(complex)) / job.num_nodes;
-        if (std::abs(ratio - 1) <= node_tolerance) break;
-        if (i + 1 < max_tries) scale *= std::clamp(std::pow(ratio, 1 / 2.6), 0.4, 2.5);
+        const Mesh mesh = to_mesh(complex);
+        const double ratio = static_cast<double>(mesh.nodes.size()) / job.num_nodes;
+        const bool tightened = tighten(closeness, mesh, job);
+        if (std::abs(ratio - 1) <= node_tolerance && !tightened) break;
+        scale *= std::clamp(std::pow(ratio, 1 / 2.6), 0.4, 2.5);
     }
     improve(complex, domain);
 

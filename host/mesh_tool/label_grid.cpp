@@ -117,7 +117,8 @@ std::vector<Index> LabelGrid::deepest_sample_of_parts() const {
 
 /// Walks from a point along the directions of a cube's faces and corners to where the region
 /// changes, and finds the place by bisection.
-void LabelGrid::add_crossings(const Vec3& from, std::vector<InterfacePoint>& points) const {
+void LabelGrid::add_crossings(const Vec3& from, double distance,
+                              std::vector<InterfacePoint>& points) const {
     const double step = job_->spacing.minCoeff();
     const Index region = region_at(from);
     for (int d = 0; d < 27; ++d) {
@@ -132,14 +133,19 @@ void LabelGrid::add_crossings(const Vec3& from, std::vector<InterfacePoint>& poi
             const Vec3 middle = (inside + beyond) / 2;
             (region_at(middle) == region ? inside : beyond) = middle;
         }
-        points.push_back({(inside + beyond) / 2, {region, region_at(beyond)}});
+        const Vec3 found = (inside + beyond) / 2;
+        const bool is_near = std::any_of(points.begin(), points.end(), [&](const InterfacePoint& p) {
+            return (p.point - found).norm() < distance;
+        });
+        if (region_at(beyond) != 0 && !is_near) points.push_back({found, {region, region_at(beyond)}});
     }
 }
 
-std::vector<InterfacePoint> LabelGrid::interface_points() const {
+std::vector<InterfacePoint> LabelGrid::interface_points(double distance) const {
     std::vector<InterfacePoint> points;
     for (Index sample : deepest_sample_of_parts())
-        if (region_at(sample_point(sample)) != 0) add_crossings(sample_point(sample), points);
+        if (region_at(sample_point(sample)) != 0)
+            add_crossings(sample_point(sample), distance, points);
     return points;
 }
 

@@ -26,8 +26,9 @@ public:
     const Vec3& box_low() const { return job_->box_low; }
     const Vec3& box_high() const { return job_->box_high; }
 
-    /// A few points on the surface of every connected part of every region.
-    std::vector<InterfacePoint> interface_points() const;
+    /// A few points on the interfaces of every connected part of every region, at least `distance`
+    /// mm from each other; none on the hull.
+    std::vector<InterfacePoint> interface_points(double distance) const;
 
 private:
     struct Best {
@@ -37,7 +38,8 @@ private:
     Best best_at(const Vec3& point) const;
     bool in_box(const Vec3& point) const;
     std::vector<Index> deepest_sample_of_parts() const;
-    void add_crossings(const Vec3& from, std::vector<InterfacePoint>& points) const;
+    void add_crossings(const Vec3& from, double distance,
+                       std::vector<InterfacePoint>& points) const;
     Vec3 sample_point(Index sample) const;
 
     const VolumeJob* job_;

@@ -41,6 +41,12 @@ void check_grid(const VolumeJob& job) {
         samples *= job.size[axis];
     }
     if (samples != static_cast<double>(job.values.size())) malformed("the number of values");
+    if (job.volumes.size() != job.region_numbers.size()) malformed("the number of volumes");
+    if (job.facet_distances.size() != job.region_numbers.size()) malformed("facet_distances");
+    for (double distance : job.facet_distances)
+        if (!std::isfinite(distance) || distance <= 0) malformed("facet_distances");
+    for (Index region : job.region_numbers)
+        if (region < 0 || region > 65535) malformed("a region number");
     for (float value : job.values)
         if (!std::isfinite(value)) malformed("a value that is not finite");
 }
@@ -70,6 +76,8 @@ VolumeJob read_volume_job(const Exchange& exchange) {
     job.spacing = one_point(exchange, "grid_spacing");
     job.values = exchange.get<float>("values");
     job.region_numbers = exchange.get<std::int32_t>("region_numbers");
+    job.volumes = exchange.get<double>("volumes");
+    job.facet_distances = exchange.get<double>("facet_distances");
     job.box_low = one_point(exchange, "box_low");
     job.box_high = one_point(exchange, "box_high");
     job.hollow = exchange.get<std::int32_t>("hollow");

@@ -32,6 +32,8 @@ struct VolumeJob {
     Vec3 spacing = Vec3::Ones();
     std::vector<float> values;         ///< [num_samples * num_regions], i fastest, regions inner
     std::vector<Index> region_numbers; ///< [num_regions]
+    std::vector<double> volumes;       ///< [num_regions] wanted, mm^3
+    std::vector<double> facet_distances;  ///< [num_regions] between facets and interface, mm
     Vec3 box_low = Vec3::Zero(), box_high = Vec3::Zero();
     std::vector<Index> hollow;
     Index num_nodes = 0;

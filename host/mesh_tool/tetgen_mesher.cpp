@@ -18,16 +18,34 @@ namespace palpate::mesh_tool {
 namespace {
 
 constexpr double growth = 0.35;         ///< of the edge length, mm per mm from the surface
+constexpr double shrinkage = 0.5;       ///< of the edge length where more nodes are wanted, mm per mm
 constexpr double node_tolerance = 0.15; ///< of the wanted number of nodes
 constexpr int max_tries = 5;
 
-/// TetGen asks through a plain function: the size field it reads, set for the run.
-const SizeField* current_field = nullptr;
-double current_scale = 1;
+/// Wanted edge length: that of the surface on it, growing away from it, all times `scale`. A finer
+/// mesh (scale < 1) is only made some way from the surface, whose triangles stay as they are.
+struct Sizing {
+    SizeField natural, distance;
+    double scale = 1;
+
+    Sizing(const SurfaceJob& job)
+        : natural(job.vertices, mean_edge_lengths(job.vertices, job.triangles), growth,
+                  job.outer_edge_length_mm),
+          distance(job.vertices, std::vector<double>(job.vertices.size(), 1e-9), 1, 1e9) {}
+
+    double at(const Vec3& point) const {
+        const double size = natural.at(point);
+        if (scale >= 1) return scale * size;
+        return std::max(scale * size, size - shrinkage * distance.at(point));
+    }
+};
+
+/// TetGen asks through a plain function: the sizing it reads, set for the run.
+const Sizing* current_sizing = nullptr;
 
 bool too_large(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
     const Vec3 p0 = Vec3::Map(a), p1 = Vec3::Map(b), p2 = Vec3::Map(c), p3 = Vec3::Map(d);
-    const double edge = current_scale * current_field->at((p0 + p1 + p2 + p3) / 4);
+    const double edge = current_sizing->at((p0 + p1 + p2 + p3) / 4);
     const double regular = edge * edge * edge / (6 * std::sqrt(2.0));
     return std::abs(tet_volume(p0, p1, p2, p3)) > regular;
 }
@@ -95,7 +113,7 @@ Mesh run_tetgen(const SurfaceJob& job, const std::vector<Vec3>& holes, std::stri
 /// One point inside every connected part of space that is not to be meshed: the centre of the largest tet
 /// of a mesh of the surface without quality.
 std::vector<Vec3> points_in_holes(const SurfaceJob& job) {
-    const Mesh mesh = run_tetgen(job, {}, "pYQz", false);
+    const Mesh mesh = run_tetgen(job, {}, "pYJQz", false);
     std::vector<Index> part;
     const std::vector<Index> region =
         fill_regions(mesh.tets, job.triangles, job.regions, &part);
@@ -114,8 +132,26 @@ std::vector<Vec3> points_in_holes(const SurfaceJob& job) {
     return points;
 }
 
+/// The triangles that have a meshed region on one side at least: TetGen empties holes with what
+/// stands in them.
+SurfaceJob without_walls_in_holes(const SurfaceJob& job, std::vector<Index>& source) {
+    SurfaceJob kept = job;
+    kept.triangles.clear();
+    kept.regions.clear();
+    for (std::size_t i = 0; i < job.triangles.size(); ++i) {
+        const auto& sides = job.regions[i];
+        if (!is_meshed(sides[0], job.hollow) && !is_meshed(sides[1], job.hollow)) continue;
+        kept.triangles.push_back(job.triangles[i]);
+        kept.regions.push_back(sides);
+        source.push_back(static_cast<Index>(i));
+    }
+    if (kept.triangles.empty())
+        throw Error(ErrorCode::mesh_failed, "every region of the surface is hollow");
+    return kept;
+}
+
 std::string quality_switches(const SurfaceJob& job) {
-    return "pYQzq" + std::to_string(job.radius_edge_ratio) + "/" +
+    return "pYJQzq" + std::to_string(job.radius_edge_ratio) + "/" +
            std::to_string(job.min_dihedral_deg) + "o/" + std::to_string(job.max_dihedral_deg);
 }
 
@@ -126,27 +162,24 @@ std::string tetgen_name() { return "TetGen " PALPATE_TETGEN_VERSION; }
 MeshReply mesh_with_tetgen(const SurfaceJob& job) {
     check_surface(job);
     const std::vector<Vec3> holes = points_in_holes(job);
-    const SizeField field(job.vertices, mean_edge_lengths(job.vertices, job.triangles), growth,
-                          job.outer_edge_length_mm);
-    current_field = &field;
-    current_scale = 1;
+    Sizing sizing(job);
+    current_sizing = &sizing;
 
-    // The nodes of the surface are given; those inside go with the inverse cube of the edge length.
     MeshReply reply;
+    const SurfaceJob bounding = without_walls_in_holes(job, reply.source);
+    // The nodes of the surface are given; those inside go with the inverse cube of the edge length.
     const double num_given = static_cast<double>(job.vertices.size());
     const double num_inside = std::max(job.num_nodes - num_given, 0.05 * num_given);
     for (int i = 0; i < max_tries; ++i) {
-        reply.mesh = run_tetgen(job, holes, quality_switches(job), true);
+        reply.mesh = run_tetgen(bounding, holes, quality_switches(job), true);
         const double num_nodes = static_cast<double>(reply.mesh.nodes.size());
         if (std::abs(num_nodes - job.num_nodes) <= node_tolerance * job.num_nodes) break;
         const double ratio = std::max(num_nodes - num_given, 1.0) / num_inside;
-        current_scale *= std::clamp(std::cbrt(ratio), 0.4, 2.5);
+        sizing.scale *= std::clamp(std::cbrt(ratio), 0.2, 2.5);
     }
-    reply.triangles = job.triangles;
-    reply.regions = job.regions;
-    for (std::size_t i = 0; i < job.triangles.size(); ++i)
-        reply.source.push_back(static_cast<Index>(i));
-    reply.mesh.region = fill_regions(reply.mesh.tets, job.triangles, job.regions);
+    reply.triangles = bounding.triangles;
+    reply.regions = bounding.regions;
+    reply.mesh.region = fill_regions(reply.mesh.tets, bounding.triangles, bounding.regions);
     keep_meshed(reply, job.hollow);
     return reply;
 }

@@ -22,11 +22,11 @@ namespace palpate {
 
 namespace {
 
-/// What TetGen aims at; the second rung asks for less where the first fails.
+/// What TetGen aims at; where one fails, a little more or less may do.
 struct TetgenAim {
     double radius_edge_ratio, min_dihedral_deg, max_dihedral_deg;
 };
-constexpr TetgenAim tetgen_aims[] = {{1.4, 15, 140}, {1.8, 10, 150}};
+constexpr TetgenAim tetgen_aims[] = {{1.4, 15, 140}, {1.3, 18, 130}, {1.8, 10, 150}};
 constexpr double on_border = 1e-6;   ///< of the box: hull triangles that near lie on the image border
 constexpr double list_limit_s = 10;  ///< for palpate-mesh --list
 

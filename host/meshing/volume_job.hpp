@@ -21,8 +21,9 @@ struct BoxFrame {
     bool is_left_handed() const { return axes.determinant() < 0; }
 };
 
-/// Samples the field of every region over the image box, about two samples per edge length, for the
-/// volume mesher.
+/// Samples the field of every region over the image box, three samples per edge length or more, for the
+/// volume mesher. A constant is added to the field of each organ so that, on the samples, it fills the
+/// volume of its voxels (smoothing shrinks small organs).
 void add_sampled_field(const RegionImage& image, const LabelField& field, double edge_length_mm,
                        Exchange& job);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/meshing/vtk_messages.hpp"
 
+#include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
@@ -28,6 +29,7 @@ vtkStandardNewMacro(Window);
 std::mutex one_at_a_time;
 vtkSmartPointer<vtkOutputWindow> previous;
 vtkSmartPointer<Window> current;
+vtkLogger::Verbosity previous_verbosity;
 
 }  // namespace
 
@@ -36,9 +38,13 @@ VtkMessages::VtkMessages() {
     previous = vtkOutputWindow::GetInstance();
     current = vtkSmartPointer<Window>::New();
     vtkOutputWindow::SetInstance(current);
+    // the logger prints to stderr by itself
+    previous_verbosity = vtkLogger::GetCurrentVerbosityCutoff();
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }
 
 VtkMessages::~VtkMessages() {
+    vtkLogger::SetStderrVerbosity(previous_verbosity);
     vtkOutputWindow::SetInstance(previous);
     previous = nullptr;
     current = nullptr;

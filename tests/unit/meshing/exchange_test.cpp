@@ -71,7 +71,7 @@ TEST(Exchange, survives_any_damaged_byte) {
     const std::string whole = bytes_of(path);
     int refused = 0;
     for (std::size_t at = 0; at < whole.size(); ++at) {
-        for (char mask : {char(1), char(0x80), char(0xff)}) {
+        for (char mask : {char(1), char(0x80)}) {
             std::string damaged = whole;
             damaged[at] = static_cast<char>(damaged[at] ^ mask);
             put(path, damaged);
