@@ -7,13 +7,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/inverse/anderson.hpp"
 #include "host/inverse/modulus_search.hpp"
 #include "host/inverse/uncertainty.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr int noise_iterations = 8;  // sigma_n is held from here on, so that the steps can settle
+constexpr int noise_iterations = 6;  // sigma_n is held from here on, so that the steps can settle
+constexpr int remembered_steps = 8;
+constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven component, in Anderson
+
+/// How much the objective may rise in an accelerated step: far below what a modulus would notice.
+constexpr double acceptable_rise = 0.05;
+
+double largest(const Eigen::VectorXd& vector) {
+    return vector.size() == 0 ? 0.0 : vector.cwiseAbs().maxCoeff();
+}
 
 struct State {
     Eigen::VectorXd driven, observed, theta;
@@ -38,14 +48,17 @@ public:
 
 private:
     State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta) const;
+    std::vector<LinearRow> rows_of(const State& state, bool driven_only) const;
     LinearisedProblem linearise(const State& state) const;
+    LinearisedProblem linearise_walls(const State& state) const;
     State settle_walls(State state) const;
-    State step_towards(const State& from, const LinearisedProblem& problem,
-                       const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
-                       double& length) const;
-    void update_noise(const LinearisedProblem& problem, const State& state);
-    void record(int iteration, const State& state, const LinearisedProblem& problem,
-                double gradient, double step);
+    State search_line(const State& from, const Eigen::VectorXd& driven,
+                      const Eigen::VectorXd& theta, double determinant_change,
+                      double& length) const;
+    State accelerated_step(const State& from, const ModulusMinimum& best,
+                           AndersonAcceleration& acceleration, bool& improved) const;
+    bool update_noise(const ModulusMinimum& best);
+    void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
 
     ReducedModel model_;
@@ -79,25 +92,35 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
     return state;
 }
 
-LinearisedProblem Search::linearise(const State& state) const {
-    std::vector<LinearRow> rows(observations_.num_rows());
+std::vector<LinearRow> Search::rows_of(const State& state, bool driven_only) const {
+    std::vector<LinearRow> rows;
     for (Index k = 0; k < observations_.num_rows(); ++k) {
         const auto& row = observations_.rows()[k];
-        rows[k] = {row.on_driven, row.position, state.seen.normal.row(k),
-                   state.seen.residual_mm[k], noise_scale_ * row.sigma_mm};
+        if (driven_only && !row.on_driven) continue;
+        rows.push_back({row.on_driven, row.position, state.seen.normal.row(k),
+                        state.seen.residual_mm[k], noise_scale_ * row.sigma_mm});
     }
-    return LinearisedProblem(model_, rows, state.driven, state.observed, precision_, priors_);
+    return rows;
+}
+
+LinearisedProblem Search::linearise(const State& state) const {
+    return LinearisedProblem(model_, rows_of(state, false), state.driven, state.observed,
+                             precision_, priors_);
+}
+
+LinearisedProblem Search::linearise_walls(const State& state) const {
+    return LinearisedProblem(model_, rows_of(state, true), state.driven, state.observed,
+                             precision_, priors_);
 }
 
 /// Brings the driven walls near their targets with the moduli held, before anything is concluded
 /// from the observed surfaces.
 State Search::settle_walls(State state) const {
     for (int k = 0; k < 6; ++k) {
-        const LinearisedProblem problem = linearise(state);
         double length = 0;
         const State next =
-            step_towards(state, problem, problem.driven_mean(), state.theta, length);
-        const double moved = (next.driven - state.driven).cwiseAbs().maxCoeff();
+            search_line(state, linearise_walls(state).driven_mean(), state.theta, 0.0, length);
+        const double moved = largest(next.driven - state.driven);
         state = next;
         if (length == 0 || moved < 0.1) break;
     }
@@ -107,18 +130,16 @@ State Search::settle_walls(State state) const {
 /// Line search on the nonlinear objective, with the determinant of this linearisation (taken as
 /// linear along the step). Gauss-Newton leaves out how the surfaces curve, so in some directions it
 /// goes twice too far, step after step: a parabola through three points finds the right length.
-State Search::step_towards(const State& from, const LinearisedProblem& problem,
-                           const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
-                           double& length) const {
-    const double determinant = 0.5 * problem.evaluate(from.theta, false).log_determinant;
-    const double change = 0.5 * problem.evaluate(theta, false).log_determinant - determinant;
+State Search::search_line(const State& from, const Eigen::VectorXd& driven,
+                          const Eigen::VectorXd& theta, double determinant_change,
+                          double& length) const {
     State best = from;
     double lowest = from.objective;
     length = 0;
     const auto offer = [&](double t) {
         State trial = state_at(from.driven + t * (driven - from.driven),
                                from.theta + t * (theta - from.theta));
-        const double value = trial.objective + t * change;
+        const double value = trial.objective + t * 0.5 * determinant_change;
         if (std::isfinite(value) && value <= lowest) {
             lowest = value;
             length = t;
@@ -135,41 +156,58 @@ State Search::step_towards(const State& from, const LinearisedProblem& problem,
     return best;
 }
 
-/// sigma_n^2 such that the observed residual has the size that its own model predicts:
-/// E[r^T R^-1 r] = trace(R C^-1) for r = R C^-1 e.
-void Search::update_noise(const LinearisedProblem& problem, const State& state) {
-    const auto at = problem.evaluate(state.theta, false);
-    double misfit = 0;
-    Index rows = 0;
-    for (Index k = 0; k < observations_.num_rows(); ++k) {
-        const auto& row = observations_.rows()[k];
-        if (row.on_driven) continue;
-        const double z = state.seen.residual_mm[k] / (noise_scale_ * row.sigma_mm);
-        misfit += z * z;
-        ++rows;
+/// Tries the accelerated iterate first; the line search where that does not go down.
+State Search::accelerated_step(const State& from, const ModulusMinimum& best,
+                               AndersonAcceleration& acceleration, bool& improved) const {
+    const Index n = model_.driven_dofs();
+    const double determinant_change =
+        best.evaluation.log_determinant - best.start_log_determinant;
+    Eigen::VectorXd point(n + from.theta.size()), step(point.size());
+    point << from.driven, mm_per_unit_ln * from.theta;
+    step << best.evaluation.driven - from.driven, mm_per_unit_ln * (best.theta - from.theta);
+    const Eigen::VectorXd proposal = acceleration.next(point, step);
+    improved = true;
+    if (acceleration.has_history()) {
+        const Eigen::VectorXd theta = (proposal.tail(from.theta.size()) / mm_per_unit_ln)
+                                          .cwiseMax(bounds_.lower_ln)
+                                          .cwiseMin(bounds_.upper_ln);
+        State trial = state_at(proposal.head(n), theta);
+        const double allowed = from.objective - 0.5 * determinant_change + acceptable_rise;
+        if (std::isfinite(trial.objective) && trial.objective <= allowed) return trial;
+        acceleration.reset();
     }
-    if (rows == 0 || at.effective_rows < 1) return;
-    const double factor = std::sqrt(misfit / at.effective_rows);
-    noise_scale_ = std::clamp(noise_scale_ * std::clamp(factor, 0.5, 2.0), 0.3, 20.0);
+    double length = 0;
+    State next = search_line(from, best.evaluation.driven, best.theta, determinant_change, length);
+    improved = length > 0;
+    return next;
 }
 
-void Search::record(int iteration, const State& state, const LinearisedProblem& problem,
-                    double gradient, double step) {
+/// sigma_n^2 such that the observed residual has the size that its own model predicts:
+/// E[r^T R^-1 r] = trace(R C^-1) for r = R C^-1 e. Returns whether it changed by more than 2 %.
+bool Search::update_noise(const ModulusMinimum& best) {
+    if (!options_.estimate_noise || best.evaluation.effective_rows < 1) return false;
+    const double factor = std::clamp(
+        std::sqrt(best.evaluation.weighted_misfit / best.evaluation.effective_rows), 0.5, 2.0);
+    if (std::abs(factor - 1.0) < 0.02) return false;
+    noise_scale_ = std::clamp(noise_scale_ * factor, 0.3, 20.0);
+    return true;
+}
+
+void Search::record(int iteration, const State& state, const ModulusMinimum& best, double step) {
     IterationRecord entry;
     entry.iteration = iteration;
-    entry.objective =
-        state.objective + 0.5 * problem.evaluate(state.theta, false).log_determinant;
-    entry.gradient_norm = gradient;
+    entry.objective = state.objective + 0.5 * best.evaluation.log_determinant;
+    entry.gradient_norm = best.gradient_norm;
     entry.step = step;
     std::string text;
     for (Index k = 0; k < state.theta.size(); ++k) {
         entry.stiffness_kpa.push_back(std::exp(state.theta[k]));
-        text += fmt::format(" {:.4g} kPa", entry.stiffness_kpa.back());
+        text += fmt::format(" {:.4g} kPa,", entry.stiffness_kpa.back());
     }
     records_.push_back(entry);
     report_progress(progress_, "searching", -1,
-                    fmt::format("iteration {}: objective {:.2f}, step {:.2g},{} noise x {:.2f}",
-                                iteration, entry.objective, step, text, noise_scale_));
+                    fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, noise x {:.2f}",
+                                iteration, text, step, entry.objective, noise_scale_));
 }
 
 MapEstimate Search::run() {
@@ -179,44 +217,38 @@ MapEstimate Search::run() {
 
     Termination termination{false, fmt::format("{} iterations were not enough",
                                                options_.max_iterations), 0};
+    AndersonAcceleration acceleration(remembered_steps);
     Eigen::MatrixXd hessian;
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
             k == 1 ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
+        if (k == 1) state = state_at(state.driven, start);
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
-        double length = 0;
-        const State next = step_towards(state, problem,
-                                        problem.evaluate(best.theta, false).driven, best.theta,
-                                        length);
-        const double moved = next.driven.size() == 0
-                                 ? 0.0
-                                 : (next.driven - state.driven).cwiseAbs().maxCoeff();
-        const double changed = next.theta.size() == 0
-                                   ? 0.0
-                                   : (next.theta - state.theta).cwiseAbs().maxCoeff();
-        state = next;
-        record(k, state, problem, best.gradient_norm, moved);
+        const double moved = largest(best.evaluation.driven - state.driven);
+        const double changed = largest(best.theta - state.theta);
+        bool improved = true;
+        state = accelerated_step(state, best, acceleration, improved);
+        record(k, state, best, moved);
         termination.iterations = k;
-        const bool noise_settled =
-            !options_.estimate_noise || priors_.empty() || k >= noise_iterations;
-        if (length == 0) {
-            termination.reason = "the line search found no lower point";
-            termination.converged = false;
-            break;
+        const bool noise_changed = k < noise_iterations && update_noise(best);
+        if (noise_changed) {
+            acceleration.reset();
+            state = state_at(state.driven, state.theta);
+            continue;
         }
-        if (noise_settled && moved < options_.displacement_tolerance_mm &&
-            changed < options_.modulus_tolerance) {
+        if (moved < options_.displacement_tolerance_mm && changed < options_.modulus_tolerance) {
             termination.converged = true;
             termination.reason = fmt::format(
-                "last step moved no driven node by more than {:.2g} mm and ln E by {:.2g}", moved,
-                changed);
+                "the next step would move no driven node by more than {:.2g} mm and no modulus by "
+                "more than {:.2g} %",
+                moved, 100.0 * changed);
             break;
         }
-        if (!noise_settled) {
-            update_noise(linearise(state), state);
-            state = state_at(state.driven, state.theta);
+        if (!improved) {
+            termination.reason = "the line search found no lower point";
+            break;
         }
     }
     return finish(state, termination);

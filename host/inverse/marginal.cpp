@@ -162,7 +162,7 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
         factor.solve(Eigen::MatrixXd::Identity(error.size(), error.size()));
     result.log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
     result.objective += 0.5 * error.dot(alpha) + 0.5 * result.log_determinant;
-    result.residual = variance_.cwiseProduct(alpha);
+    result.weighted_misfit = alpha.dot(variance_.cwiseProduct(alpha));
     result.effective_rows = variance_.dot(inverse.diagonal());
 
     // u_d = m + H^-1 J^T alpha with J^T = -S_od^T B, H^-1 = L^-T L^-1.

@@ -50,7 +50,7 @@ public:
         double log_determinant = 0;   ///< ln det C, part of F
         Eigen::VectorXd gradient;     ///< dF/dtheta [num unknown], empty if not asked for
         Eigen::VectorXd driven;       ///< most probable u_d at theta [driven_dofs]
-        Eigen::VectorXd residual;     ///< y - G_o u_o there, observed rows
+        double weighted_misfit = 0;   ///< r^T R^-1 r of the observed residual r = R C^-1 e there
         double effective_rows = 0;    ///< trace of R C^-1: rows that the fit does not use up
     };
 

@@ -78,9 +78,13 @@ ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::Ve
                                const ModulusBounds& bounds, const Eigen::MatrixXd& hessian) {
     ModulusMinimum minimum;
     minimum.theta = start;
-    if (problem.num_unknown() == 0) return minimum;
-    minimum.hessian = hessian.size() > 0 ? hessian : problem.hessian(start);
     auto here = problem.evaluate(start, true);
+    minimum.start_log_determinant = here.log_determinant;
+    if (problem.num_unknown() == 0) {
+        minimum.evaluation = std::move(here);
+        return minimum;
+    }
+    minimum.hessian = hessian.size() > 0 ? hessian : problem.hessian(start);
     for (; minimum.steps < most_steps; ++minimum.steps) {
         const Eigen::MatrixXd safe = made_definite(minimum.hessian, problem.priors());
         Eigen::VectorXd step = -safe.llt().solve(here.gradient);
@@ -101,6 +105,7 @@ ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::Ve
         minimum.theta = next;
         here = std::move(there);
     }
+    minimum.evaluation = std::move(here);
     return minimum;
 }
 

@@ -17,6 +17,8 @@ struct ModulusMinimum {
     Eigen::VectorXd theta;
     Eigen::MatrixXd hessian;      ///< as far as the search knows it, near `theta`
     double gradient_norm = 0;     ///< sqrt(g . H^-1 g): distance to the minimum in sd
+    double start_log_determinant = 0;              ///< ln det C at the start
+    LinearisedProblem::Evaluation evaluation;      ///< at `theta`
     int steps = 0;
 };
 

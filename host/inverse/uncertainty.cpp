@@ -22,7 +22,7 @@ Eigen::MatrixXd laplace_covariance(const LinearisedProblem& problem, const Eigen
 
 ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
                          const Eigen::MatrixXd& covariance, Index unknown) {
-    constexpr int half_points = 12;
+    constexpr int half_points = 8;
     const double sd = std::sqrt(covariance(unknown, unknown));
     const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
     ProfileResult profile;
