@@ -44,7 +44,8 @@ std::vector<Setup> all_setups() {
         for (Product product : {Product::assembled, Product::matrix_free})
             for (Index columns : {1, 3, 16, 33})
                 for (bool as_gpu : {false, true})
-                    if (!as_gpu || columns == 1 || columns == 33)
+                    if (!as_gpu ||
+                        (precision == Precision::single && (columns == 1 || columns == 33)))
                         setups.push_back({precision, product, columns, as_gpu});
     return setups;
 }
@@ -117,8 +118,8 @@ protected:
 
 INSTANTIATE_TEST_SUITE_P(Setups, OpenclBackendTest, testing::ValuesIn(all_setups()), name_of);
 
-// 60 nodes: less than a work group; 1,260 nodes: no multiple of one.
-const std::array<Index, 3> mesh_sizes[] = {{2, 3, 4}, {13, 8, 9}};
+// 60 nodes: less than a work group; 720 nodes: no multiple of one.
+const std::array<Index, 3> mesh_sizes[] = {{2, 3, 4}, {9, 8, 7}};
 
 TEST_P(OpenclBackendTest, ProductsMatchPlainLoopsOnHost) {
     for (const auto& cubes : mesh_sizes) {
@@ -158,7 +159,7 @@ TEST_P(OpenclBackendTest, NewStiffnessRescalesEveryOperation) {
 }
 
 TEST_P(OpenclBackendTest, EnergyAndParameterGradientMatchPlainLoopsOnHost) {
-    const Model model = fixtures::two_tissue_model({13, 8, 9});
+    const Model model = fixtures::two_tissue_model({9, 8, 7});
     const Columns x = random_columns(model.num_dofs(), GetParam().columns, 3);
     const Columns lambda = random_columns(model.num_dofs(), GetParam().columns, 4);
     backend->prepare(model);
