@@ -139,9 +139,10 @@ std::vector<double> DeviceModel::energy_products(const cl::Buffer& lambda, const
     const std::size_t num_parts = num_chunks_ * num_columns;
     const cl::Buffer parts = session_.make_buffer(num_parts * session_.wide_bytes());
     for (const ColumnPass& pass : session_.passes(num_columns))
-        session_.run({"parameter_gradient", "parameter_gradient"}, num_chunks_, pass, elements_,
-                     region_, geometry_, unit_moduli_, region_order_, chunk_start_, lambda, x,
-                     parts, cl_int(num_chunks_), cl_int(num_columns), cl_int(pass.first));
+        session_.run({"parameter_gradient", "parameter_gradient", -1, ItemLength::many_rows},
+                     num_chunks_, pass, elements_, region_, geometry_, unit_moduli_, region_order_,
+                     chunk_start_, lambda, x, parts, cl_int(num_chunks_), cl_int(num_columns),
+                     cl_int(pass.first));
     const std::vector<double> sums = session_.read_wide(parts, num_parts);
     std::vector<double> products(num_materials() * num_columns, 0.0);
     for (Index chunk = 0; chunk < num_chunks_; ++chunk)

@@ -26,8 +26,18 @@ struct Coefficients {
     }
 };
 
+// Parts that the rows of an inner product are cut into: enough to share out, few enough to read.
+std::size_t num_dot_parts(std::size_t rows, bool is_cpu) {
+    return is_cpu ? std::clamp<std::size_t>(rows / 512, 1, 256)
+                  : std::clamp<std::size_t>(rows / 16, 1, 4096);
+}
+
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
+}
+
+void refuse_same(const DeviceVector& x, const DeviceVector& y) {
+    if (&x == &y) refuse("The product K x cannot overwrite x: give two vectors.");
 }
 
 std::string shape_of(const DeviceVector& v) { return fmt::format("{}x{}", v.rows(), v.columns()); }
@@ -218,13 +228,12 @@ void OpenclBackend::dot(const DeviceVector& x, const DeviceVector& y, std::span<
         refuse(fmt::format("dot of {} with {} into {} numbers: the sizes must agree.", shape_of(x),
                            shape_of(y), result.size()));
     guarded("take inner products", [&] {
-        const std::size_t rows_per_part = session_.device().is_cpu ? 512 : 16;
-        const std::size_t num_parts = std::max<std::size_t>(1, x.rows() / rows_per_part);
+        const std::size_t num_parts = num_dot_parts(x.rows(), session_.device().is_cpu);
         const cl::Buffer& parts = parts_buffer(num_parts * columns);
         for (const ColumnPass& pass : session_.passes(columns))
-            session_.run({"vector_ops", "dot_parts"}, num_parts, pass, buffer_of(x), buffer_of(y),
-                         parts, cl_int(x.rows()), cl_int(columns), cl_int(pass.first),
-                         cl_int(num_parts));
+            session_.run({"vector_ops", "dot_parts", -1, ItemLength::many_rows}, num_parts, pass,
+                         buffer_of(x), buffer_of(y), parts, cl_int(x.rows()), cl_int(columns),
+                         cl_int(pass.first), cl_int(num_parts));
         const std::vector<double> sums = session_.read_wide(parts, num_parts * columns);
         std::fill(result.begin(), result.end(), 0.0);
         for (std::size_t i = 0; i < sums.size(); ++i) result[i % columns] += sums[i];
@@ -233,12 +242,14 @@ void OpenclBackend::dot(const DeviceVector& x, const DeviceVector& y, std::span<
 
 void OpenclBackend::internal_force(const DeviceVector& x, DeviceVector& y) {
     DeviceModel& model = model_for(x, y);
+    refuse_same(x, y);
     guarded("compute internal forces",
             [&] { model.multiply(buffer_of(x), buffer_of(y), x.columns(), false); });
 }
 
 void OpenclBackend::apply_stiffness(const DeviceVector& x, DeviceVector& y) {
     DeviceModel& model = model_for(x, y);
+    refuse_same(x, y);
     guarded("multiply with the stiffness",
             [&] { model.multiply(buffer_of(x), buffer_of(y), x.columns(), true); });
 }
@@ -279,7 +290,11 @@ void OpenclBackend::wait() {
 }  // namespace
 
 std::unique_ptr<Backend> make_opencl_backend(const BackendOptions& options) {
-    std::shared_ptr<OpenclDevice> device = open_device(options.device);
+    return make_opencl_backend_on(open_device(options.device), options);
+}
+
+std::unique_ptr<Backend> make_opencl_backend_on(std::shared_ptr<OpenclDevice> device,
+                                                const BackendOptions& options) {
     if (options.precision == Precision::double_ && !device->has_double)
         throw Error(ErrorCode::unsupported,
                     fmt::format("The device {} has no double precision (cl_khr_fp64): use single "

@@ -10,10 +10,16 @@
 
 namespace palpate {
 
+struct OpenclDevice;
+
 /// The back end on one OpenCL 1.2 device. Throws Error(device_unavailable) if there is no such
 /// device, Error(unsupported) for double precision on a device without it.
 /// One object belongs to one thread at a time; different objects may run in different threads.
 std::unique_ptr<Backend> make_opencl_backend(const BackendOptions& options);
+
+/// The same on a device that is open already; `options.device` is not read.
+std::unique_ptr<Backend> make_opencl_backend_on(std::shared_ptr<OpenclDevice> device,
+                                                const BackendOptions& options);
 
 /// Every OpenCL device of this machine; empty if there is no driver.
 std::vector<DeviceInfo> opencl_devices();

@@ -75,15 +75,16 @@ std::vector<ColumnPass> Session::passes(std::size_t num_columns) const {
     return column_passes(num_columns, device_->is_cpu, is_double() ? 8 : 16);
 }
 
-WorkGroup Session::group_of(const ColumnPass& pass) const {
-    if (device_->is_cpu) return {1, cpu_group_rows};
+WorkGroup Session::group_of(const KernelName& name, const ColumnPass& pass) const {
+    // A CPU runs one group per thread: long items stand alone, so that all threads get some.
+    if (device_->is_cpu) return {1, name.item_length == ItemLength::one_row ? cpu_group_rows : 1};
     std::size_t columns = 1;
     while (columns < gpu_group_columns && columns < pass.groups) columns *= 2;
     return {columns, gpu_group_items / columns};
 }
 
 cl::Kernel& Session::kernel(const KernelName& name, const ColumnPass& pass) {
-    const WorkGroup group = group_of(pass);
+    const WorkGroup group = group_of(name, pass);
     cl::Kernel& found = kernels_[{name.function, pass.width, group.columns, name.constrained}];
     if (found()) return found;
     std::vector<Define> defines = {{"REAL_IS_DOUBLE", is_double()},

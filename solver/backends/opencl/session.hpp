@@ -15,11 +15,15 @@
 
 namespace palpate {
 
+/// How much one work item has to do: a row, or many rows (a partial sum).
+enum class ItemLength { one_row, many_rows };
+
 /// Which kernel of which program; `constrained` is the define CONSTRAINED, -1 where there is none.
 struct KernelName {
     const char* program;
     const char* function;
     int constrained = -1;
+    ItemLength item_length = ItemLength::one_row;
 };
 
 /// One queue on one device at one precision: its buffers, copies and kernels. "Real" numbers are
@@ -55,7 +59,7 @@ public:
     void wait() { queue_.finish(); }
 
 private:
-    WorkGroup group_of(const ColumnPass& pass) const;
+    WorkGroup group_of(const KernelName& name, const ColumnPass& pass) const;
     cl::Kernel& kernel(const KernelName& name, const ColumnPass& pass);
 
     std::shared_ptr<OpenclDevice> device_;
@@ -78,7 +82,7 @@ cl::Buffer Session::upload(const std::vector<T>& values) const {
 template <class... Args>
 void Session::run(const KernelName& name, std::size_t rows, const ColumnPass& pass,
                   const Args&... args) {
-    launch(queue_, kernel(name, pass), WorkSize{pass.groups, rows, group_of(pass)}, args...);
+    launch(queue_, kernel(name, pass), WorkSize{pass.groups, rows, group_of(name, pass)}, args...);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include "tests/unit/opencl/host_loops.hpp"
 
 #include <Eigen/LU>
+#include <limits>
 #include <random>
 
 namespace palpate::host_loops {
@@ -16,28 +17,36 @@ Eigen::Matrix<double, 4, 3> shape_gradients(const Mesh& mesh, Index tet) {
     return inverse.bottomRows<3>().transpose();
 }
 
-// K_ab of one element: E V (lambda g_a g_b^T + mu g_b g_a^T + mu (g_a . g_b) I).
-Mat3 element_block(const Model& model, const std::vector<double>& moduli, Index tet, int a, int b) {
+// The 12x12 stiffness of one element; K_ab = E V (lambda g_a g_b^T + mu g_b g_a^T + mu (g_a . g_b)
+// I).
+using ElementMatrix = Eigen::Matrix<double, 12, 12>;
+ElementMatrix element_matrix(const Model& model, const std::vector<double>& moduli, Index tet) {
     const Index region = model.mesh.region[tet];
     const LinearElastic& law = model.materials[region];
     const Eigen::Matrix<double, 4, 3> g = shape_gradients(model.mesh, tet);
-    const Vec3 ga = g.row(a);
-    const Vec3 gb = g.row(b);
-    return moduli[region] * tet_volume(model.mesh, tet) *
-           (law.unit_lambda() * ga * gb.transpose() + law.unit_mu() * gb * ga.transpose() +
-            law.unit_mu() * ga.dot(gb) * Mat3::Identity());
+    ElementMatrix matrix;
+    for (int a = 0; a < 4; ++a)
+        for (int b = 0; b < 4; ++b) {
+            const Vec3 ga = g.row(a);
+            const Vec3 gb = g.row(b);
+            matrix.block<3, 3>(3 * a, 3 * b) = law.unit_lambda() * ga * gb.transpose() +
+                                               law.unit_mu() * gb * ga.transpose() +
+                                               law.unit_mu() * ga.dot(gb) * Mat3::Identity();
+        }
+    return moduli[region] * tet_volume(model.mesh, tet) * matrix;
 }
 
 }  // namespace
 
 Columns internal_force(const Model& model, const std::vector<double>& moduli, const Columns& x) {
     Columns y = Columns::Zero(x.rows(), x.cols());
-    for (Index t = 0; t < model.mesh.num_tets(); ++t)
+    for (Index t = 0; t < model.mesh.num_tets(); ++t) {
+        const ElementMatrix k = element_matrix(model, moduli, t);
         for (int a = 0; a < 4; ++a)
             for (int b = 0; b < 4; ++b)
                 y.middleRows<3>(3 * model.mesh.tets[t][a]) +=
-                    element_block(model, moduli, t, a, b) *
-                    x.middleRows<3>(3 * model.mesh.tets[t][b]);
+                    k.block<3, 3>(3 * a, 3 * b) * x.middleRows<3>(3 * model.mesh.tets[t][b]);
+    }
     return y;
 }
 
@@ -54,9 +63,10 @@ Columns constrained_product(const Model& model, const std::vector<double>& modul
 
 Columns block_jacobi(const Model& model, const std::vector<double>& moduli, const Columns& r) {
     std::vector<Mat3> blocks(model.mesh.nodes.size(), Mat3::Zero());
-    for (Index t = 0; t < model.mesh.num_tets(); ++t)
-        for (int a = 0; a < 4; ++a)
-            blocks[model.mesh.tets[t][a]] += element_block(model, moduli, t, a, a);
+    for (Index t = 0; t < model.mesh.num_tets(); ++t) {
+        const ElementMatrix k = element_matrix(model, moduli, t);
+        for (int a = 0; a < 4; ++a) blocks[model.mesh.tets[t][a]] += k.block<3, 3>(3 * a, 3 * a);
+    }
     Columns z(r.rows(), r.cols());
     for (Index node = 0; node < model.mesh.num_nodes(); ++node) {
         Mat3& block = blocks[node];
