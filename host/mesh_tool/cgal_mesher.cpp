@@ -42,7 +42,8 @@ constexpr double facet_angle_deg = 25;
 constexpr double least_facet_distance = 0.04;  ///< of the edge length
 constexpr double radius_edge_ratio = 2.5;
 constexpr double surface_error = 1e-5;    ///< of the size of the box, of points on interfaces
-constexpr double sliver_deg = 8;          ///< dihedral angles below are improved; 12 never settles
+constexpr double exude_deg = 8;           ///< dihedral angles below are improved by weights
+constexpr double perturb_deg = 6;         ///< ... and by moving nodes; reached within a second, 12 never
 constexpr double improve_limit_s = 30;    ///< for inputs that never settle: usual is below 1 s
 constexpr double seed_distance = 0.25;    ///< of the edge length, between seeds
 constexpr double on_box = 1e-3;           ///< of the edge length: hull nodes that near lie on the box
@@ -138,10 +139,10 @@ void refine(Complex& complex, const Domain& domain, const Criteria& criteria) {
 
 void improve(Complex& complex, const Domain& domain) {
     namespace p = CGAL::parameters;
-    CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = sliver_deg);
+    CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = exude_deg);
     CGAL::perturb_mesh_3(complex, domain, p::time_limit = improve_limit_s,
-                         p::sliver_bound = sliver_deg);
-    CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = sliver_deg);
+                         p::sliver_bound = perturb_deg);
+    CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = exude_deg);
 }
 
 Mesh to_mesh(const Complex& complex) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The only file that uses TetGen (AGPL-3.0-or-later): a program built with it is under that licence.
 #include <cmath>
+#include <limits>
 #include <map>
 
 #define TETLIBRARY
@@ -170,12 +171,16 @@ MeshReply mesh_with_tetgen(const SurfaceJob& job) {
     // The nodes of the surface are given; those inside go with the inverse cube of the edge length.
     const double num_given = static_cast<double>(job.vertices.size());
     const double num_inside = std::max(job.num_nodes - num_given, 0.05 * num_given);
-    for (int i = 0; i < max_tries; ++i) {
-        reply.mesh = run_tetgen(bounding, holes, quality_switches(job), true);
-        const double num_nodes = static_cast<double>(reply.mesh.nodes.size());
-        if (std::abs(num_nodes - job.num_nodes) <= node_tolerance * job.num_nodes) break;
+    double least_miss = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < max_tries && least_miss > node_tolerance * job.num_nodes; ++i) {
+        Mesh mesh = run_tetgen(bounding, holes, quality_switches(job), true);
+        const double num_nodes = static_cast<double>(mesh.nodes.size());
         const double ratio = std::max(num_nodes - num_given, 1.0) / num_inside;
-        sizing.scale *= std::clamp(std::cbrt(ratio), 0.2, 2.5);
+        sizing.scale *= std::clamp(std::cbrt(ratio), 0.3, 2.5);
+        const double miss = std::abs(num_nodes - job.num_nodes);
+        if (miss >= least_miss) continue;
+        least_miss = miss;
+        reply.mesh = std::move(mesh);
     }
     reply.triangles = bounding.triangles;
     reply.regions = bounding.regions;
