@@ -11,10 +11,12 @@
 #include "host/pipeline/finish.hpp"
 #include "host/pipeline/version.hpp"
 #include "host/pipeline/volumes.hpp"
-#include "host/surfaces/closest_point.hpp"
+#include "host/surfaces/picture_surface.hpp"
 
 namespace palpate {
 namespace {
+
+constexpr double picture_edge_mm = 2.5;
 
 std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
     std::vector<Vec3> points(values.size() / 3);
@@ -91,8 +93,6 @@ std::vector<RegionResult> region_results(const Recovered& found, const Settings&
     return results;
 }
 
-/// The target's surface as the distance map sees it, in the reference frame: the organ's own surface
-/// vertices carried onto it would hide errors, so it is taken from the target's label field.
 struct Distances {
     double mean = 0, max = 0;
 };
@@ -143,6 +143,10 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelF
             result.resultant_force_mn += found.force.segment<3>(3 * observed.node_of[v]);
         }
     }
+    result.target = picture_surface(
+        map, observed.surface.vertices, picture_edge_mm, [&](const Vec3& point) {
+            return target.inside_box(found.alignment.reference_to_target.apply(point));
+        });
     const auto area = vertex_area(observed.surface);
     const auto before = summarise(result.distance_before_mm, area, seen);
     const auto after = summarise(result.distance_after_mm, area, seen);

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/surfaces/picture_surface.hpp"
+
+#include <cmath>
+
+#include "host/surfaces/zero_level.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double margin_mm = 10.0;
+
+ImageGrid grid_round(const std::vector<Vec3>& points, double spacing_mm) {
+    Vec3 low = points.front(), high = points.front();
+    for (const Vec3& point : points) {
+        low = low.cwiseMin(point);
+        high = high.cwiseMax(point);
+    }
+    ImageGrid grid;
+    grid.origin = low - Vec3::Constant(margin_mm);
+    grid.spacing = Vec3::Constant(spacing_mm);
+    for (int a = 0; a < 3; ++a) {
+        grid.size[a] =
+            2 + static_cast<Index>(std::ceil((high[a] - low[a] + 2 * margin_mm) / spacing_mm));
+    }
+    return grid;
+}
+
+}  // namespace
+
+Surface picture_surface(const DistanceMap& map, const std::vector<Vec3>& near,
+                        double edge_length_mm, const std::function<bool(const Vec3&)>& keep) {
+    if (near.empty()) return {};
+    const ImageGrid grid = grid_round(near, edge_length_mm);
+    std::vector<float> samples;
+    samples.reserve(grid.num_voxels());
+    for (Index k = 0; k < grid.size[2]; ++k) {
+        for (Index j = 0; j < grid.size[1]; ++j) {
+            for (Index i = 0; i < grid.size[0]; ++i) {
+                samples.push_back(static_cast<float>(map.value(grid.to_point(Vec3(i, j, k)))));
+            }
+        }
+    }
+    Surface surface =
+        zero_level(grid, samples, [&map](const Vec3& point) { return map.value(point); });
+    std::erase_if(surface.triangles, [&](const Triangle& t) {
+        return !keep((surface.vertices[t[0]] + surface.vertices[t[1]] + surface.vertices[t[2]]) /
+                     3.0);
+    });
+    return surface;
+}
+
+}  // namespace palpate
