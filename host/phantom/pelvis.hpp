@@ -40,6 +40,7 @@ struct PelvisTruth {
     double peak_displacement_mm = 0;
     double prostate_mean_displacement_mm = 0;
     double prostate_shape_change_mm = 0;  ///< rms of what its best rigid motion leaves
+    double prostate_largest_shape_change_mm = 0;
     double solve_residual = 0;            ///< relative
     MesherSummary mesher;
 };
