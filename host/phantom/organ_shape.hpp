@@ -57,7 +57,7 @@ private:
 
 /// Points on the surface, relative to the centre: one along each of `num_points` evenly spread rays
 /// from the centre (the organs are star-shaped seen from there).
-std::vector<Vec3> surface_points(const OrganShape& shape, int num_points = 2500);
+std::vector<Vec3> surface_points(const OrganShape& shape, int num_points = 1500);
 
 /// Smallest distance (mm) between two organs given with their surface points; if they overlap,
 /// minus the depth of a point of `a` in `b`. With 2,500 points on an organ of 60 cm^2 up to 0.2 mm

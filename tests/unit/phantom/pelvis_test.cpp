@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -14,10 +14,10 @@
 namespace palpate {
 namespace {
 
-PelvisPhantom make_small_pelvis(unsigned seed, const Vec3& spacing = Vec3::Ones()) {
+PelvisPhantom make_small_pelvis(unsigned seed, Index num_nodes, const Vec3& spacing) {
     PelvisOptions options;
     options.seed = seed;
-    options.num_nodes = 5000;
+    options.num_nodes = num_nodes;
     options.spacing = spacing;
     return make_pelvis(options, {}, {});
 }
@@ -64,7 +64,7 @@ double smallest_gap(const LabelImage& image, Index a, Index b) {
 
 /// One test body, because making a phantom takes a second or two.
 TEST(Pelvis, HasOrgansLandmarksAndVolumesThatAgreeWithItsTrueDisplacement) {
-    const PelvisPhantom phantom = make_small_pelvis(1);
+    const PelvisPhantom phantom = make_small_pelvis(1, 5000, Vec3::Ones());
 
     for (const auto* image : {&phantom.reference, &phantom.target}) {
         auto volume = volumes_cm3(*image);
@@ -90,8 +90,10 @@ TEST(Pelvis, HasOrgansLandmarksAndVolumesThatAgreeWithItsTrueDisplacement) {
     const Image<Vec3> u =
         displacement_on_grid(phantom.mesh.mesh, phantom.displacement, phantom.reference.grid);
     const LabelImage warped = warp_labels(phantom.reference, u, phantom.target.grid);
-    for (const Index label : {1, 2, 3, 4, 5}) {
-        EXPECT_GE(dice(warped, phantom.target, label), 0.97) << label;
+    // Both volumes place a wall to a quarter voxel; of 17 cm^3 within 55 cm^2 that is some 3 %.
+    const std::array<double, 6> least_dice{0.99, 0.97, 0.97, 0.955, 0.99, 0.99};
+    for (const Index label : {0, 1, 2, 3, 4, 5}) {
+        EXPECT_GE(dice(warped, phantom.target, label), least_dice[label]) << label;
     }
     for (const Index label : {1, 2, 3}) {
         EXPECT_LT(dice(phantom.reference, phantom.target, label), 0.95) << label;
@@ -103,8 +105,8 @@ TEST(Pelvis, HasOrgansLandmarksAndVolumesThatAgreeWithItsTrueDisplacement) {
 
 TEST(Pelvis, IsTheSameForTheSameSeed) {
     const Vec3 spacing(1, 1, 3);
-    const PelvisPhantom first = make_small_pelvis(2, spacing);
-    const PelvisPhantom second = make_small_pelvis(2, spacing);
+    const PelvisPhantom first = make_small_pelvis(2, 3500, spacing);
+    const PelvisPhantom second = make_small_pelvis(2, 3500, spacing);
 
     EXPECT_EQ(first.reference.voxels, second.reference.voxels);
     EXPECT_EQ(first.target.voxels, second.target.voxels);
