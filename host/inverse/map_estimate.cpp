@@ -16,10 +16,25 @@ namespace {
 
 constexpr int noise_iterations = 6;  // sigma_n is held from here on, so that the steps can settle
 constexpr int remembered_steps = 8;
+constexpr int needed_quiet_steps = 3;
 constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven component, in Anderson
 
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.
 constexpr double acceptable_rise = 0.05;
+
+/// Residuals beyond this many sigma count linearly (Huber): a wrong label, a kink of the target or a
+/// distance far larger than a voxel must neither dominate nor stall the search.
+constexpr double robust_limit = 3.0;
+
+double robust_loss(double z) {
+    const double size = std::abs(z);
+    return size <= robust_limit ? 0.5 * z * z : robust_limit * (size - 0.5 * robust_limit);
+}
+
+/// Factor on sigma with which the quadratic loss has the slope of the robust one.
+double robust_inflation(double z) {
+    return std::sqrt(std::max(1.0, std::abs(z) / robust_limit));
+}
 
 double largest(const Eigen::VectorXd& vector) {
     return vector.size() == 0 ? 0.0 : vector.cwiseAbs().maxCoeff();
@@ -82,7 +97,7 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
     for (Index k = 0; k < observations_.num_rows(); ++k) {
         const double z =
             state.seen.residual_mm[k] / (noise_scale_ * observations_.rows()[k].sigma_mm);
-        state.objective += 0.5 * z * z;
+        state.objective += robust_loss(z);
     }
     state.objective += 0.5 * driven.dot(precision_ * driven);
     for (std::size_t k = 0; k < priors_.size(); ++k) {
@@ -97,8 +112,10 @@ std::vector<LinearRow> Search::rows_of(const State& state, bool driven_only) con
     for (Index k = 0; k < observations_.num_rows(); ++k) {
         const auto& row = observations_.rows()[k];
         if (driven_only && !row.on_driven) continue;
-        rows.push_back({row.on_driven, row.position, state.seen.normal.row(k),
-                        state.seen.residual_mm[k], noise_scale_ * row.sigma_mm});
+        const double sigma = noise_scale_ * row.sigma_mm;
+        const double residual = state.seen.residual_mm[k];
+        rows.push_back({row.on_driven, row.position, state.seen.normal.row(k), residual,
+                        sigma * robust_inflation(residual / sigma)});
     }
     return rows;
 }
@@ -219,6 +236,7 @@ MapEstimate Search::run() {
                                                options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
     Eigen::MatrixXd hessian;
+    int quiet_steps = 0;
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
@@ -228,6 +246,7 @@ MapEstimate Search::run() {
         hessian = best.hessian;
         const double moved = largest(best.evaluation.driven - state.driven);
         const double changed = largest(best.theta - state.theta);
+        const double objective_before = state.objective;
         bool improved = true;
         state = accelerated_step(state, best, acceleration, improved);
         record(k, state, best, moved);
@@ -238,12 +257,18 @@ MapEstimate Search::run() {
             state = state_at(state.driven, state.theta);
             continue;
         }
-        if (moved < options_.displacement_tolerance_mm && changed < options_.modulus_tolerance) {
+        const double objective_changed = std::abs(state.objective - objective_before);
+        const bool is_quiet = changed < options_.modulus_tolerance &&
+                              objective_changed < options_.objective_tolerance_per_row *
+                                                      observations_.num_rows();
+        quiet_steps = is_quiet ? quiet_steps + 1 : 0;
+        if (quiet_steps == needed_quiet_steps) {
             termination.converged = true;
             termination.reason = fmt::format(
-                "the next step would move no driven node by more than {:.2g} mm and no modulus by "
-                "more than {:.2g} %",
-                moved, 100.0 * changed);
+                "{} steps in a row changed no modulus by more than {:.2g} % and the log posterior "
+                "by less than {:.2g} per surface point",
+                needed_quiet_steps, 100.0 * options_.modulus_tolerance,
+                options_.objective_tolerance_per_row);
             break;
         }
         if (!improved) {

@@ -78,20 +78,31 @@ LinearisedProblem::LinearisedProblem(const ReducedModel& model, const std::vecto
     if (count > 0) precompute_covariance(equations.hessian);
 }
 
+/// L^-1 S_r,od^T. Only the region's own driven nodes have rows in S_r,od^T, so where they are few it
+/// is cheaper to solve for unit columns there.
+Eigen::MatrixXd LinearisedProblem::whitened(const CondensedRegion& region) const {
+    const auto& coupling = region.observed_driven;
+    const bool by_units = coupling.cols() < coupling.rows();
+    Eigen::MatrixXd right =
+        Eigen::MatrixXd::Zero(model_.driven_dofs(), by_units ? coupling.cols() : coupling.rows());
+    for (std::size_t d = 0; d < region.driven.size(); ++d) {
+        auto rows = right.middleRows<3>(3 * region.driven[d]);
+        if (by_units) {
+            rows.middleCols<3>(3 * d).setIdentity();
+        } else {
+            rows = coupling.middleCols<3>(3 * d).transpose();
+        }
+    }
+    if (right.cols() > 0) factor_.triangularView<Eigen::Lower>().solveInPlace(right);
+    if (!by_units) return right;
+    return right * coupling.transpose();
+}
+
 void LinearisedProblem::precompute_covariance(const Eigen::MatrixXd& driven_hessian) {
     factor_ = cholesky(driven_hessian, "covariance of the driven displacement").matrixL();
     const auto& regions = model_.regions();
     for (const auto& region : regions) {
-        Eigen::MatrixXd coupling =
-            Eigen::MatrixXd::Zero(model_.driven_dofs(), 3 * region.observed.size());
-        for (std::size_t d = 0; d < region.driven.size(); ++d) {
-            coupling.middleRows<3>(3 * region.driven[d]) =
-                region.observed_driven.middleCols<3>(3 * d).transpose();
-        }
-        if (!region.driven.empty()) {
-            factor_.triangularView<Eigen::Lower>().solveInPlace(coupling);
-        }
-        whitened_coupling_.push_back(std::move(coupling));
+        whitened_coupling_.push_back(whitened(region));
         mean_coupling_.push_back(model_.unit_coupling_times(region, mean_));
     }
     covariance_.resize(regions.size());
@@ -99,6 +110,8 @@ void LinearisedProblem::precompute_covariance(const Eigen::MatrixXd& driven_hess
         for (std::size_t s = 0; s < regions.size(); ++s) {
             if (regions[r].driven.empty() || regions[s].driven.empty()) {
                 covariance_[r].emplace_back();
+            } else if (s < r) {
+                covariance_[r].push_back(covariance_[s][r].transpose());
             } else {
                 covariance_[r].push_back(whitened_coupling_[r].transpose() *
                                          whitened_coupling_[s]);

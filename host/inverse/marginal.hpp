@@ -69,6 +69,7 @@ private:
     Response respond(const Eigen::VectorXd& theta) const;
     void add_gradient(const Response& response, const Eigen::VectorXd& alpha,
                       const Eigen::MatrixXd& inverse_covariance, Eigen::VectorXd& gradient) const;
+    Eigen::MatrixXd whitened(const CondensedRegion& region) const;
     void precompute_covariance(const Eigen::MatrixXd& driven_hessian);
 
     ReducedModel model_;
