@@ -101,7 +101,10 @@ void add(const std::string& operation_name, const std::string& backend, Product 
     auto* registered = benchmark::RegisterBenchmark(
         name.c_str(), [=](benchmark::State& s) { measure(s, backend, options, operation); });
     // 17 cubes per edge: 5,832 nodes, 29,478 tets; 4 is for CI, so that this never rots.
-    registered->ArgNames({"cubes", "columns"})->Unit(benchmark::kMicrosecond)->UseRealTime()->MeasureProcessCPUTime();
+    registered->ArgNames({"cubes", "columns"})
+        ->Unit(benchmark::kMicrosecond)
+        ->UseRealTime()
+        ->MeasureProcessCPUTime();
     for (int cubes : {4, 17})
         for (int columns : {1, 4, 16, 32}) registered->Args({cubes, columns});
 }

@@ -31,7 +31,8 @@ int run_devices() {
         }
     }
     if (!any_opencl) {
-        fmt::print("no OpenCL device: install a GPU driver, or pocl-opencl-icd for the processor\n");
+        fmt::print(
+            "no OpenCL device: install a GPU driver, or pocl-opencl-icd for the processor\n");
     }
     return 0;
 }
@@ -39,8 +40,8 @@ int run_devices() {
 }  // namespace
 
 void add_devices(CLI::App& app, Run& run) {
-    CLI::App* command =
-        app.add_subcommand("devices", "List what can compute, with the numbers that --device takes");
+    CLI::App* command = app.add_subcommand(
+        "devices", "List what can compute, with the numbers that --device takes");
     command->callback([&run] { run = run_devices; });
 }
 

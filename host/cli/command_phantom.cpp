@@ -25,17 +25,16 @@ struct PhantomArguments {
 
 int run_pelvis(PhantomArguments arguments) {
     if (std::filesystem::exists(arguments.out)) {
-        throw Error(ErrorCode::output_failed,
-                    fmt::format("{} exists already; remove it or choose another --out",
-                                arguments.out));
+        throw Error(
+            ErrorCode::output_failed,
+            fmt::format("{} exists already; remove it or choose another --out", arguments.out));
     }
-    arguments.pelvis.spacing = Vec3(arguments.spacing[0], arguments.spacing[1],
-                                    arguments.spacing[2]);
+    arguments.pelvis.spacing =
+        Vec3(arguments.spacing[0], arguments.spacing[1], arguments.spacing[2]);
     arguments.pelvis.num_nodes = arguments.mesher.nodes;
     const auto progress = console_progress(arguments.quiet);
-    const PelvisPhantom phantom =
-        make_pelvis(arguments.pelvis, solver_options(arguments.solver),
-                    mesher_options(arguments.mesher), progress);
+    const PelvisPhantom phantom = make_pelvis(arguments.pelvis, solver_options(arguments.solver),
+                                              mesher_options(arguments.mesher), progress);
     write_pelvis(phantom, arguments.pelvis, arguments.out);
     end_progress_line();
     fmt::print("phantom: {}\n", arguments.out);

@@ -66,8 +66,7 @@ void add_recover(CLI::App& app, Run& run) {
         "recover", "Stiffness, forces and deformation from two segmentations of one patient");
     command->add_option("reference", arguments->reference, "Label volume, state one")->required();
     command->add_option("target", arguments->target, "Label volume, state two")->required();
-    command->add_option("--config", arguments->config, "Organs and their roles (TOML)")
-        ->required();
+    command->add_option("--config", arguments->config, "Organs and their roles (TOML)")->required();
     command->add_option("--out", arguments->out, "Result folder, made new")->required();
     command->add_flag("--overwrite", arguments->overwrite, "Replace an older result folder");
     CLI::Option* align =

@@ -39,9 +39,7 @@ struct Console {
     std::string stage;
     double next_line_s = 0;
 
-    double elapsed_s() const {
-        return std::chrono::duration<double>(Clock::now() - begin).count();
-    }
+    double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
     void rewrite(const Progress& progress) {
         if (progress.stage != stage) end_progress_line();
@@ -60,8 +58,7 @@ struct Console {
         if (progress.message.empty() || (!is_new && elapsed_s() < next_line_s)) return;
         stage = progress.stage;
         next_line_s = elapsed_s() + 5.0;
-        fmt::print(stderr, "{:6.1f} s  {:<11} {}\n", elapsed_s(), progress.stage,
-                   progress.message);
+        fmt::print(stderr, "{:6.1f} s  {:<11} {}\n", elapsed_s(), progress.stage, progress.message);
     }
 };
 

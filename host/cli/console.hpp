@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Progress on standard error: on a terminal one line per stage that is rewritten in place, elsewhere
-/// a plain line per message. Quiet prints nothing.
+/// Progress on standard error: on a terminal one line per stage that is rewritten in place,
+/// elsewhere a plain line per message. Quiet prints nothing.
 ProgressSink console_progress(bool quiet);
 
 /// Ends the line that is being rewritten, so that what follows starts on a fresh one.

@@ -18,7 +18,8 @@ int fail(int code, const std::string& message) {
 }
 
 int parse_and_run(int argc, char** argv) {
-    CLI::App app{"Computational palpation: stiffness, forces and deformation from two segmentations"};
+    CLI::App app{
+        "Computational palpation: stiffness, forces and deformation from two segmentations"};
     app.name("palpate");
     app.set_version_flag("--version", "palpate " + palpate::version_text());
     app.require_subcommand(1);

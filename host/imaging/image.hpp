@@ -13,9 +13,9 @@ namespace palpate {
 /// origin + direction * (i sx, j sy, k sz); index i runs fastest in memory.
 struct ImageGrid {
     std::array<Index, 3> size{0, 0, 0};
-    Vec3 origin = Vec3::Zero();          ///< centre of voxel (0, 0, 0), mm
-    Vec3 spacing = Vec3::Ones();         ///< mm
-    Mat3 direction = Mat3::Identity();   ///< columns: unit vectors of the i, j, k axes; det = +-1
+    Vec3 origin = Vec3::Zero();         ///< centre of voxel (0, 0, 0), mm
+    Vec3 spacing = Vec3::Ones();        ///< mm
+    Mat3 direction = Mat3::Identity();  ///< columns: unit vectors of the i, j, k axes; det = +-1
 
     std::size_t num_voxels() const {
         return std::size_t(size[0]) * std::size_t(size[1]) * std::size_t(size[2]);

@@ -7,10 +7,10 @@
 
 namespace palpate {
 
-/// Anderson acceleration of a fixed-point iteration z -> z + f(z) (Walker and Ni 2011, algorithm AA):
-/// of the last few steps it takes the combination that makes f smallest. Gauss-Newton leaves out the
-/// curvature of the surfaces, so a handful of sliding motions converge slowly or swing to and fro;
-/// this resolves them.
+/// Anderson acceleration of a fixed-point iteration z -> z + f(z) (Walker and Ni 2011, algorithm
+/// AA): of the last few steps it takes the combination that makes f smallest. Gauss-Newton leaves
+/// out the curvature of the surfaces, so a handful of sliding motions converge slowly or swing to
+/// and fro; this resolves them.
 class AndersonAcceleration {
 public:
     explicit AndersonAcceleration(int memory) : memory_(memory) {}

@@ -22,8 +22,8 @@ constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven com
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.
 constexpr double acceptable_rise = 0.05;
 
-/// Residuals beyond this many sigma count linearly (Huber): a wrong label, a kink of the target or a
-/// distance far larger than a voxel must neither dominate nor stall the search.
+/// Residuals beyond this many sigma count linearly (Huber): a wrong label, a kink of the target or
+/// a distance far larger than a voxel must neither dominate nor stall the search.
 constexpr double robust_limit = 3.0;
 
 double robust_loss(double z) {
@@ -32,9 +32,7 @@ double robust_loss(double z) {
 }
 
 /// Factor on sigma with which the quadratic loss has the slope of the robust one.
-double robust_inflation(double z) {
-    return std::sqrt(std::max(1.0, std::abs(z) / robust_limit));
-}
+double robust_inflation(double z) { return std::sqrt(std::max(1.0, std::abs(z) / robust_limit)); }
 
 double largest(const Eigen::VectorXd& vector) {
     return vector.size() == 0 ? 0.0 : vector.cwiseAbs().maxCoeff();
@@ -126,8 +124,8 @@ LinearisedProblem Search::linearise(const State& state) const {
 }
 
 LinearisedProblem Search::linearise_walls(const State& state) const {
-    return LinearisedProblem(model_, rows_of(state, true), state.driven, state.observed,
-                             precision_, priors_);
+    return LinearisedProblem(model_, rows_of(state, true), state.driven, state.observed, precision_,
+                             priors_);
 }
 
 /// Brings the driven walls near their targets with the moduli held, before anything is concluded
@@ -177,8 +175,7 @@ State Search::search_line(const State& from, const Eigen::VectorXd& driven,
 State Search::accelerated_step(const State& from, const ModulusMinimum& best,
                                AndersonAcceleration& acceleration, bool& improved) const {
     const Index n = model_.driven_dofs();
-    const double determinant_change =
-        best.evaluation.log_determinant - best.start_log_determinant;
+    const double determinant_change = best.evaluation.log_determinant - best.start_log_determinant;
     Eigen::VectorXd point(n + from.theta.size()), step(point.size());
     point << from.driven, mm_per_unit_ln * from.theta;
     step << best.evaluation.driven - from.driven, mm_per_unit_ln * (best.theta - from.theta);
@@ -232,8 +229,8 @@ MapEstimate Search::run() {
     for (std::size_t k = 0; k < priors_.size(); ++k) theta[k] = priors_[k].mean_ln;
     State state = settle_walls(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta));
 
-    Termination termination{false, fmt::format("{} iterations were not enough",
-                                               options_.max_iterations), 0};
+    Termination termination{
+        false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
     Eigen::MatrixXd hessian;
     int quiet_steps = 0;
@@ -258,9 +255,9 @@ MapEstimate Search::run() {
             continue;
         }
         const double objective_changed = std::abs(state.objective - objective_before);
-        const bool is_quiet = changed < options_.modulus_tolerance &&
-                              objective_changed < options_.objective_tolerance_per_row *
-                                                      observations_.num_rows();
+        const bool is_quiet =
+            changed < options_.modulus_tolerance &&
+            objective_changed < options_.objective_tolerance_per_row * observations_.num_rows();
         quiet_steps = is_quiet ? quiet_steps + 1 : 0;
         if (quiet_steps == needed_quiet_steps) {
             termination.converged = true;

@@ -20,26 +20,26 @@ struct MapOptions {
     double modulus_tolerance = 7.5e-3;
     double objective_tolerance_per_row = 1e-3;
     double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
-    bool estimate_noise = true;            ///< scale sigma_n to what the observed surface shows
+    bool estimate_noise = true;  ///< scale sigma_n to what the observed surface shows
 };
 
 struct MapEstimate {
-    Eigen::VectorXd driven;                ///< [3 num_driven] mm
-    Eigen::VectorXd observed;              ///< [3 num_observed] mm
-    std::vector<ModulusPrior> unknown;     ///< regions that were estimated
-    Eigen::VectorXd theta;                 ///< ln E of them
-    Eigen::MatrixXd covariance;            ///< of theta, Laplace approximation
+    Eigen::VectorXd driven;                           ///< [3 num_driven] mm
+    Eigen::VectorXd observed;                         ///< [3 num_observed] mm
+    std::vector<ModulusPrior> unknown;                ///< regions that were estimated
+    Eigen::VectorXd theta;                            ///< ln E of them
+    Eigen::MatrixXd covariance;                       ///< of theta, Laplace approximation
     std::vector<std::array<double, 2>> interval_kpa;  ///< 95 %, from the profile of F
     std::vector<ProfileResult> profiles;
-    double noise_scale = 1;                ///< factor on sigma_n that the data asked for
+    double noise_scale = 1;  ///< factor on sigma_n that the data asked for
     std::vector<IterationRecord> records;
     Termination termination;
 };
 
 /// The most probable moduli and wall motion (method.md section 3): Gauss-Newton on the surface
 /// distances; at each linearisation the moduli minimise the marginal objective F exactly
-/// (LinearisedProblem), found by a coarse scan, then Newton; a line search on the nonlinear objective
-/// guards every step. Not converging is not an error: see `termination`.
+/// (LinearisedProblem), found by a coarse scan, then Newton; a line search on the nonlinear
+/// objective guards every step. Not converging is not an error: see `termination`.
 MapEstimate map_estimate(const ReducedModel& model, const SurfaceObservations& observations,
                          const Eigen::SparseMatrix<double>& precision,
                          const std::vector<ModulusPrior>& priors, const MapOptions& options,

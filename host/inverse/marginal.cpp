@@ -33,8 +33,7 @@ DrivenNormalEquations driven_equations(const std::vector<LinearRow>& rows,
                 entries.emplace_back(first + a, first + b, weight * g[a] * g[b]);
             }
         }
-        right.segment<3>(first) +=
-            weight * (g.dot(driven.segment<3>(first)) - row.residual_mm) * g;
+        right.segment<3>(first) += weight * (g.dot(driven.segment<3>(first)) - row.residual_mm) * g;
     }
     Sparse data(driven.size(), driven.size());
     data.setFromTriplets(entries.begin(), entries.end());
@@ -44,17 +43,16 @@ DrivenNormalEquations driven_equations(const std::vector<LinearRow>& rows,
 }  // namespace
 
 struct LinearisedProblem::Response {
-    std::vector<double> stiffness_kpa;       // by position in regions()
-    Eigen::LLT<Eigen::MatrixXd> equilibrium; // of S_oo
-    Eigen::MatrixXd basis;                   // B [observed_dofs, rows]
-    Eigen::MatrixXd coupling_covariance;     // S_od H^-1 S_od^T at these moduli
-    Eigen::VectorXd mean_coupling;           // S_od m
+    std::vector<double> stiffness_kpa;        // by position in regions()
+    Eigen::LLT<Eigen::MatrixXd> equilibrium;  // of S_oo
+    Eigen::MatrixXd basis;                    // B [observed_dofs, rows]
+    Eigen::MatrixXd coupling_covariance;      // S_od H^-1 S_od^T at these moduli
+    Eigen::VectorXd mean_coupling;            // S_od m
 };
 
 LinearisedProblem::LinearisedProblem(const ReducedModel& model, const std::vector<LinearRow>& rows,
-                                     const Eigen::VectorXd& driven,
-                                     const Eigen::VectorXd& observed, const Sparse& precision,
-                                     std::vector<ModulusPrior> priors)
+                                     const Eigen::VectorXd& driven, const Eigen::VectorXd& observed,
+                                     const Sparse& precision, std::vector<ModulusPrior> priors)
     : model_(model), priors_(std::move(priors)) {
     const Index count = static_cast<Index>(
         std::count_if(rows.begin(), rows.end(), [](const auto& row) { return !row.on_driven; }));
@@ -78,8 +76,8 @@ LinearisedProblem::LinearisedProblem(const ReducedModel& model, const std::vecto
     if (count > 0) precompute_covariance(equations.hessian);
 }
 
-/// L^-1 S_r,od^T. Only the region's own driven nodes have rows in S_r,od^T, so where they are few it
-/// is cheaper to solve for unit columns there.
+/// L^-1 S_r,od^T. Only the region's own driven nodes have rows in S_r,od^T, so where they are few
+/// it is cheaper to solve for unit columns there.
 Eigen::MatrixXd LinearisedProblem::whitened(const CondensedRegion& region) const {
     const auto& coupling = region.observed_driven;
     const bool by_units = coupling.cols() < coupling.rows();
@@ -113,8 +111,7 @@ void LinearisedProblem::precompute_covariance(const Eigen::MatrixXd& driven_hess
             } else if (s < r) {
                 covariance_[r].push_back(covariance_[s][r].transpose());
             } else {
-                covariance_[r].push_back(whitened_coupling_[r].transpose() *
-                                         whitened_coupling_[s]);
+                covariance_[r].push_back(whitened_coupling_[r].transpose() * whitened_coupling_[s]);
             }
         }
     }
@@ -204,7 +201,7 @@ void LinearisedProblem::add_gradient(const Response& response, const Eigen::Vect
     const Eigen::MatrixXd weight = inverse_covariance - alpha * alpha.transpose();
     const Eigen::MatrixXd weighted_basis = response.basis * weight;  // B M
     const Eigen::MatrixXd covariance_basis =
-        response.coupling_covariance * weighted_basis;               // K B M
+        response.coupling_covariance * weighted_basis;  // K B M
     const Eigen::VectorXd basis_alpha = response.basis * alpha;
     const Eigen::MatrixXd adjoint = response.equilibrium.solve(covariance_basis);
     const Eigen::VectorXd adjoint_mean = response.equilibrium.solve(response.mean_coupling);

@@ -46,12 +46,12 @@ public:
                       std::vector<ModulusPrior> priors);
 
     struct Evaluation {
-        double objective = 0;         ///< F
-        double log_determinant = 0;   ///< ln det C, part of F
-        Eigen::VectorXd gradient;     ///< dF/dtheta [num unknown], empty if not asked for
-        Eigen::VectorXd driven;       ///< most probable u_d at theta [driven_dofs]
-        double weighted_misfit = 0;   ///< r^T R^-1 r of the observed residual r = R C^-1 e there
-        double effective_rows = 0;    ///< trace of R C^-1: rows that the fit does not use up
+        double objective = 0;        ///< F
+        double log_determinant = 0;  ///< ln det C, part of F
+        Eigen::VectorXd gradient;    ///< dF/dtheta [num unknown], empty if not asked for
+        Eigen::VectorXd driven;      ///< most probable u_d at theta [driven_dofs]
+        double weighted_misfit = 0;  ///< r^T R^-1 r of the observed residual r = R C^-1 e there
+        double effective_rows = 0;   ///< trace of R C^-1: rows that the fit does not use up
     };
 
     /// theta: ln E of the unknown regions, in the order of the priors.
@@ -74,14 +74,14 @@ private:
 
     ReducedModel model_;
     std::vector<ModulusPrior> priors_;
-    Eigen::MatrixXd normals_;       ///< G_o^T [observed_dofs, rows]
-    Eigen::VectorXd target_;        ///< y
-    Eigen::VectorXd variance_;      ///< diagonal of R
-    Eigen::VectorXd mean_;          ///< m
-    Eigen::MatrixXd factor_;        ///< lower Cholesky factor of H, observed rows present
-    std::vector<Eigen::VectorXd> mean_coupling_;         ///< S_r,od m, per region
+    Eigen::MatrixXd normals_;   ///< G_o^T [observed_dofs, rows]
+    Eigen::VectorXd target_;    ///< y
+    Eigen::VectorXd variance_;  ///< diagonal of R
+    Eigen::VectorXd mean_;      ///< m
+    Eigen::MatrixXd factor_;    ///< lower Cholesky factor of H, observed rows present
+    std::vector<Eigen::VectorXd> mean_coupling_;            ///< S_r,od m, per region
     std::vector<std::vector<Eigen::MatrixXd>> covariance_;  ///< S_r,od H^-1 S_s,od^T per pair
-    std::vector<Eigen::MatrixXd> whitened_coupling_;     ///< L^-1 S_r,od^T per region
+    std::vector<Eigen::MatrixXd> whitened_coupling_;        ///< L^-1 S_r,od^T per region
 };
 
 }  // namespace palpate

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int scan_points = 11;
 constexpr int most_steps = 25;
-constexpr double longest_step = 1.0;   // of ln E
+constexpr double longest_step = 1.0;     // of ln E
 constexpr double small_gradient = 1e-3;  // in posterior standard deviations
 
 /// Negative and tiny curvatures are replaced by the prior's, so that the step goes downhill.
@@ -23,8 +23,7 @@ Eigen::MatrixXd made_definite(const Eigen::MatrixXd& hessian,
     for (const auto& prior : priors) {
         smallest = std::min(smallest, 1.0 / (prior.sd_ln * prior.sd_ln));
     }
-    const Eigen::VectorXd values =
-        eigen.eigenvalues().cwiseAbs().cwiseMax(0.1 * smallest);
+    const Eigen::VectorXd values = eigen.eigenvalues().cwiseAbs().cwiseMax(0.1 * smallest);
     return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

@@ -15,15 +15,16 @@ Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBound
 
 struct ModulusMinimum {
     Eigen::VectorXd theta;
-    Eigen::MatrixXd hessian;      ///< as far as the search knows it, near `theta`
-    double gradient_norm = 0;     ///< sqrt(g . H^-1 g): distance to the minimum in sd
-    double start_log_determinant = 0;              ///< ln det C at the start
-    LinearisedProblem::Evaluation evaluation;      ///< at `theta`
+    Eigen::MatrixXd hessian;                   ///< as far as the search knows it, near `theta`
+    double gradient_norm = 0;                  ///< sqrt(g . H^-1 g): distance to the minimum in sd
+    double start_log_determinant = 0;          ///< ln det C at the start
+    LinearisedProblem::Evaluation evaluation;  ///< at `theta`
     int steps = 0;
 };
 
-/// Quasi-Newton (BFGS) with a step limit and backtracking on F, from `start`, to a scaled gradient of
-/// 1e-3. It begins with `hessian`, from an earlier search nearby, or computes it if that is empty.
+/// Quasi-Newton (BFGS) with a step limit and backtracking on F, from `start`, to a scaled gradient
+/// of 1e-3. It begins with `hessian`, from an earlier search nearby, or computes it if that is
+/// empty.
 ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::VectorXd& start,
                                const ModulusBounds& bounds, const Eigen::MatrixXd& hessian = {});
 

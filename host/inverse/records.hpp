@@ -13,15 +13,15 @@ namespace palpate {
 struct ProfileResult {
     Index region = 0;
     std::vector<double> stiffness_kpa;
-    std::vector<double> objective;           ///< minus its minimum: 1.92 is the 95 % line
+    std::vector<double> objective;  ///< minus its minimum: 1.92 is the 95 % line
 };
 
 struct IterationRecord {
     int iteration = 0;
     double objective = 0;
-    double gradient_norm = 0;                ///< scaled by the posterior sd
+    double gradient_norm = 0;  ///< scaled by the posterior sd
     double step = 0;
-    std::vector<double> stiffness_kpa;       ///< unknown moduli, in region order
+    std::vector<double> stiffness_kpa;  ///< unknown moduli, in region order
 };
 
 struct Termination {

@@ -78,7 +78,8 @@ Eigen::VectorXd ReducedModel::observed_displacement(const Eigen::VectorXd& drive
 
 void ReducedModel::add_observed_product(const CondensedRegion& region, double scale,
                                         const Eigen::MatrixXd& x, Eigen::MatrixXd& y) const {
-    const Eigen::MatrixXd part = scale * (region.observed_observed * gather_rows(x, region.observed));
+    const Eigen::MatrixXd part =
+        scale * (region.observed_observed * gather_rows(x, region.observed));
     scatter_add_rows(part, region.observed, y);
 }
 

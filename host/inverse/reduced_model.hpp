@@ -31,8 +31,8 @@ public:
     Eigen::MatrixXd stiffness() const;
     /// S_od u_d at the present moduli.
     Eigen::VectorXd coupling_times(const Eigen::VectorXd& driven) const;
-    /// u_o for given u_d: one dense factorisation of S_oo. Throws Error(solve_failed) if S_oo is not
-    /// positive definite.
+    /// u_o for given u_d: one dense factorisation of S_oo. Throws Error(solve_failed) if S_oo is
+    /// not positive definite.
     Eigen::VectorXd observed_displacement(const Eigen::VectorXd& driven) const;
 
     /// y += scale S_r x for one region's observed block; x has observed_dofs rows.

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-// The only file that uses CGAL Mesh_3 (GPL-3.0-or-later): a program built with it is under that licence.
+// The only file that uses CGAL Mesh_3 (GPL-3.0-or-later): a program built with it is under that
+// licence.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_domain_with_polyline_features_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
-#include <CGAL/make_mesh_3.h>
 #include <CGAL/Random.h>
+#include <CGAL/make_mesh_3.h>
 #include <CGAL/version.h>
-
 
 #include <algorithm>
 #include <cmath>
@@ -27,26 +27,25 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Domain = CGAL::Mesh_domain_with_polyline_features_3<CGAL::Labeled_mesh_domain_3<Kernel>>;
-using Triangulation =
-    CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Sequential_tag>::type;
+using Triangulation = CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Sequential_tag>::type;
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index,
                                                         Domain::Curve_index>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 using Point = Domain::Point_3;
 
-constexpr double growth = 0.35;           ///< of the edge length, mm per mm from an interface
-constexpr double node_tolerance = 0.15;   ///< of the wanted number of nodes
+constexpr double growth = 0.35;          ///< of the edge length, mm per mm from an interface
+constexpr double node_tolerance = 0.15;  ///< of the wanted number of nodes
 constexpr int max_tries = 5;
 constexpr double volume_tolerance = 0.035;
 constexpr double facet_angle_deg = 25;
 constexpr double least_facet_distance = 0.04;  ///< of the edge length
 constexpr double radius_edge_ratio = 2.5;
-constexpr double surface_error = 1e-5;    ///< of the size of the box, of points on interfaces
-constexpr double exude_deg = 8;           ///< dihedral angles below are improved by weights
-constexpr double perturb_deg = 6;         ///< ... and by moving nodes; reached within a second, 12 never
-constexpr double improve_limit_s = 30;    ///< for inputs that never settle: usual is below 1 s
-constexpr double seed_distance = 0.25;    ///< of the edge length, between seeds
-constexpr double on_box = 1e-3;           ///< of the edge length: hull nodes that near lie on the box
+constexpr double surface_error = 1e-5;  ///< of the size of the box, of points on interfaces
+constexpr double exude_deg = 8;         ///< dihedral angles below are improved by weights
+constexpr double perturb_deg = 6;  ///< ... and by moving nodes; reached within a second, 12 never
+constexpr double improve_limit_s = 30;  ///< for inputs that never settle: usual is below 1 s
+constexpr double seed_distance = 0.25;  ///< of the edge length, between seeds
+constexpr double on_box = 1e-3;         ///< of the edge length: hull nodes that near lie on the box
 
 Vec3 to_vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
 Point to_point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
@@ -80,15 +79,15 @@ struct Closeness {
     }
 };
 
-Criteria make_criteria(const LabelGrid& labels, const Closeness& closeness, double edge, double outer) {
+Criteria make_criteria(const LabelGrid& labels, const Closeness& closeness, double edge,
+                       double outer) {
     namespace p = CGAL::parameters;
     // Mesh_3 bounds radii; the radius round a regular triangle or tet of edge 1 is about 0.6, and
     // the edges of a refined mesh come out at about 0.8 of the bound
     return Criteria(p::edge_size = Sizing{&labels, edge, outer, 1.0},
                     p::facet_angle = facet_angle_deg,
                     p::facet_size = Sizing{&labels, edge, outer, 0.75},
-                    p::facet_distance = closeness,
-                    p::cell_radius_edge_ratio = radius_edge_ratio,
+                    p::facet_distance = closeness, p::cell_radius_edge_ratio = radius_edge_ratio,
                     p::cell_size = Sizing{&labels, edge, outer, 0.75});
 }
 

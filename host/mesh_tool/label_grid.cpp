@@ -44,8 +44,7 @@ LabelGrid::Best LabelGrid::best_at(const Vec3& point) const {
         const double weight =
             (dx ? t[0] : 1 - t[0]) * (dy ? t[1] : 1 - t[1]) * (dz ? t[2] : 1 - t[2]);
         const std::size_t sample =
-            (i[0] + dx) +
-            std::size_t(size[0]) * ((i[1] + dy) + std::size_t(size[1]) * (i[2] + dz));
+            (i[0] + dx) + std::size_t(size[0]) * ((i[1] + dy) + std::size_t(size[1]) * (i[2] + dz));
         const float* values = job_->values.data() + sample * num_regions;
         for (std::size_t r = 0; r < num_regions; ++r) value[r] += weight * values[r];
     }
@@ -134,10 +133,11 @@ void LabelGrid::add_crossings(const Vec3& from, double distance,
             (region_at(middle) == region ? inside : beyond) = middle;
         }
         const Vec3 found = (inside + beyond) / 2;
-        const bool is_near = std::any_of(points.begin(), points.end(), [&](const InterfacePoint& p) {
-            return (p.point - found).norm() < distance;
-        });
-        if (region_at(beyond) != 0 && !is_near) points.push_back({found, {region, region_at(beyond)}});
+        const bool is_near = std::any_of(
+            points.begin(), points.end(),
+            [&](const InterfacePoint& p) { return (p.point - found).norm() < distance; });
+        if (region_at(beyond) != 0 && !is_near)
+            points.push_back({found, {region, region_at(beyond)}});
     }
 }
 

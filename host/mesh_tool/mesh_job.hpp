@@ -30,9 +30,9 @@ struct VolumeJob {
     std::array<Index, 3> size{0, 0, 0};
     Vec3 origin = Vec3::Zero();
     Vec3 spacing = Vec3::Ones();
-    std::vector<float> values;         ///< [num_samples * num_regions], i fastest, regions inner
-    std::vector<Index> region_numbers; ///< [num_regions]
-    std::vector<double> volumes;       ///< [num_regions] wanted, mm^3
+    std::vector<float> values;            ///< [num_samples * num_regions], i fastest, regions inner
+    std::vector<Index> region_numbers;    ///< [num_regions]
+    std::vector<double> volumes;          ///< [num_regions] wanted, mm^3
     std::vector<double> facet_distances;  ///< [num_regions] between facets and interface, mm
     Vec3 box_low = Vec3::Zero(), box_high = Vec3::Zero();
     std::vector<Index> hollow;
@@ -49,8 +49,8 @@ struct MeshReply {
     std::vector<Index> source;  ///< surface mesher: number of the triangle given, else empty
 };
 
-/// Throw Error(input_unreadable) for a job that is malformed, Error(mesh_failed) for one that cannot
-/// be meshed.
+/// Throw Error(input_unreadable) for a job that is malformed, Error(mesh_failed) for one that
+/// cannot be meshed.
 SurfaceJob read_surface_job(const Exchange& exchange);
 VolumeJob read_volume_job(const Exchange& exchange);
 void write_reply(const std::filesystem::path& path, const MeshReply& reply,

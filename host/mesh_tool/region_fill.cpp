@@ -55,7 +55,8 @@ std::vector<Face> all_faces(const std::vector<Tet>& tets, const std::vector<Tria
 
 }  // namespace
 
-std::vector<Index> fill_regions(const std::vector<Tet>& tets, const std::vector<Triangle>& triangles,
+std::vector<Index> fill_regions(const std::vector<Tet>& tets,
+                                const std::vector<Triangle>& triangles,
                                 const std::vector<std::array<Index, 2>>& regions,
                                 std::vector<Index>* component) {
     const std::vector<Face> faces = all_faces(tets, triangles);

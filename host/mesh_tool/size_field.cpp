@@ -57,8 +57,7 @@ void SizeField::sweep(double growth, int step) {
             bool inside = true;
             for (int axis = 0; axis < 3; ++axis) inside &= j[axis] >= 0 && j[axis] < size_[axis];
             if (!inside) continue;
-            const double distance =
-                spacing_ * Vec3(j[0] - i[0], j[1] - i[1], j[2] - i[2]).norm();
+            const double distance = spacing_ * Vec3(j[0] - i[0], j[1] - i[1], j[2] - i[2]).norm();
             values_[n] = std::min(values_[n], values_[offset(j)] + growth * distance);
         }
     }

@@ -9,8 +9,8 @@
 
 namespace palpate::mesh_tool {
 
-/// Wanted edge length (mm) in space: as given at some points, growing by `growth` mm per mm away from
-/// them up to `largest`. Held on a coarse grid, interpolated linearly.
+/// Wanted edge length (mm) in space: as given at some points, growing by `growth` mm per mm away
+/// from them up to `largest`. Held on a coarse grid, interpolated linearly.
 class SizeField {
 public:
     SizeField(const std::vector<Vec3>& points, const std::vector<double>& sizes, double growth,

@@ -80,7 +80,8 @@ void check_regions_closed(const SurfaceJob& job) {
         int sum = 0;
         std::size_t j = i;
         for (; j < edges.size() && !(edges[i] < edges[j]); ++j) sum += edges[j].sign;
-        if (sum != 0) refuse("the surface of region " + std::to_string(edges[i].region) + " is open");
+        if (sum != 0)
+            refuse("the surface of region " + std::to_string(edges[i].region) + " is open");
         i = j;
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-// The only file that uses TetGen (AGPL-3.0-or-later): a program built with it is under that licence.
+// The only file that uses TetGen (AGPL-3.0-or-later): a program built with it is under that
+// licence.
 #include <cmath>
 #include <limits>
 #include <map>
@@ -18,9 +19,9 @@ namespace palpate::mesh_tool {
 
 namespace {
 
-constexpr double growth = 0.35;         ///< of the edge length, mm per mm from the surface
-constexpr double shrinkage = 0.5;       ///< of the edge length where more nodes are wanted, mm per mm
-constexpr double node_tolerance = 0.15; ///< of the wanted number of nodes
+constexpr double growth = 0.35;    ///< of the edge length, mm per mm from the surface
+constexpr double shrinkage = 0.5;  ///< of the edge length where more nodes are wanted, mm per mm
+constexpr double node_tolerance = 0.15;  ///< of the wanted number of nodes
 constexpr int max_tries = 5;
 
 /// Wanted edge length: that of the surface on it, growing away from it, all times `scale`. A finer
@@ -111,13 +112,12 @@ Mesh run_tetgen(const SurfaceJob& job, const std::vector<Vec3>& holes, std::stri
     return mesh;
 }
 
-/// One point inside every connected part of space that is not to be meshed: the centre of the largest tet
-/// of a mesh of the surface without quality.
+/// One point inside every connected part of space that is not to be meshed: the centre of the
+/// largest tet of a mesh of the surface without quality.
 std::vector<Vec3> points_in_holes(const SurfaceJob& job) {
     const Mesh mesh = run_tetgen(job, {}, "pYJQz", false);
     std::vector<Index> part;
-    const std::vector<Index> region =
-        fill_regions(mesh.tets, job.triangles, job.regions, &part);
+    const std::vector<Index> region = fill_regions(mesh.tets, job.triangles, job.regions, &part);
     std::map<Index, Index> largest;
     for (Index t = 0; t < mesh.num_tets(); ++t) {
         if (is_meshed(region[t], job.hollow)) continue;
@@ -127,8 +127,9 @@ std::vector<Vec3> points_in_holes(const SurfaceJob& job) {
     std::vector<Vec3> points;
     for (const auto& [number, t] : largest) {
         const Tet& tet = mesh.tets[t];
-        points.push_back((mesh.nodes[tet[0]] + mesh.nodes[tet[1]] + mesh.nodes[tet[2]] +
-                          mesh.nodes[tet[3]]) / 4);
+        points.push_back(
+            (mesh.nodes[tet[0]] + mesh.nodes[tet[1]] + mesh.nodes[tet[2]] + mesh.nodes[tet[3]]) /
+            4);
     }
     return points;
 }

@@ -90,7 +90,8 @@ public:
         if (id_ <= 0) return;
         kill();
         int status = 0;
-        while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {}
+        while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+        }
     }
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
@@ -130,7 +131,8 @@ void throw_if_not_started(Pipe& report, const std::filesystem::path& program) {
     Pipe::close_end(report.write_end);
     int why = 0;
     ssize_t got = 0;
-    while ((got = read(report.read_end, &why, sizeof why)) < 0 && errno == EINTR) {}
+    while ((got = read(report.read_end, &why, sizeof why)) < 0 && errno == EINTR) {
+    }
     if (got == sizeof why)
         throw Error(ErrorCode::unsupported,
                     "cannot start '" + program.string() + "': " + std::strerror(why));
@@ -193,8 +195,8 @@ TemporaryFolder::TemporaryFolder() {
     const auto base = std::filesystem::temp_directory_path(error);
     std::string name = ((error ? std::filesystem::path("/tmp") : base) / "palpate-XXXXXX").string();
     if (!mkdtemp(name.data()))
-        throw Error(ErrorCode::output_failed,
-                    "cannot make a temporary folder '" + name + "': set TMPDIR to a writable folder");
+        throw Error(ErrorCode::output_failed, "cannot make a temporary folder '" + name +
+                                                  "': set TMPDIR to a writable folder");
     path_ = name;
 }
 

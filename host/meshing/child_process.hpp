@@ -10,8 +10,8 @@
 namespace palpate {
 
 struct ChildLimits {
-    double seconds = 120;    ///< wall clock and processor time
-    double memory_gib = 8;   ///< address space
+    double seconds = 120;   ///< wall clock and processor time
+    double memory_gib = 8;  ///< address space
 };
 
 struct ChildResult {

@@ -33,11 +33,16 @@ static_assert(sizeof(Header) == 48);
 
 Exchange::Values empty_values(std::uint32_t type) {
     switch (type) {
-        case 0: return std::vector<std::uint8_t>{};
-        case 1: return std::vector<std::int32_t>{};
-        case 2: return std::vector<float>{};
-        case 3: return std::vector<double>{};
-        default: unreadable("holds an unknown type");
+        case 0:
+            return std::vector<std::uint8_t>{};
+        case 1:
+            return std::vector<std::int32_t>{};
+        case 2:
+            return std::vector<float>{};
+        case 3:
+            return std::vector<double>{};
+        default:
+            unreadable("holds an unknown type");
     }
 }
 

@@ -16,8 +16,8 @@ namespace palpate {
 
 /// Named arrays in one file: how palpate and `palpate-mesh` talk. Layout, all little-endian:
 /// "PALPEXC1", uint64 number of arrays; per array char name[32] (zero padded), uint32 type
-/// (0 uint8, 1 int32, 2 float32, 3 float64), uint32 columns, uint64 rows, then the values, row by row.
-/// Nothing may follow the last array.
+/// (0 uint8, 1 int32, 2 float32, 3 float64), uint32 columns, uint64 rows, then the values, row by
+/// row. Nothing may follow the last array.
 class Exchange {
 public:
     using Values = std::variant<std::vector<std::uint8_t>, std::vector<std::int32_t>,

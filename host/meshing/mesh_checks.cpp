@@ -21,7 +21,8 @@ Index open_region(const RegionSurface& surface, const std::vector<Index>& hollow
             if (!is_meshed_region(region, hollow)) continue;
             for (int k = 0; k < 3; ++k) {
                 const Index a = surface.triangles[i][k], b = surface.triangles[i][(k + 1) % 3];
-                balance[{region, std::min(a, b), std::max(a, b)}] += (a < b) == (side == 0) ? 1 : -1;
+                balance[{region, std::min(a, b), std::max(a, b)}] +=
+                    (a < b) == (side == 0) ? 1 : -1;
             }
         }
     }
@@ -59,9 +60,9 @@ std::vector<double> enclosed_volumes(const RegionSurface& surface, Index num_reg
     std::vector<double> volume(static_cast<std::size_t>(num_regions), 0.0);
     for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
         const Triangle& t = surface.triangles[i];
-        const double part = tet_volume(surface.vertices[surface.triangles[0][0]],
-                                       surface.vertices[t[0]], surface.vertices[t[1]],
-                                       surface.vertices[t[2]]);
+        const double part =
+            tet_volume(surface.vertices[surface.triangles[0][0]], surface.vertices[t[0]],
+                       surface.vertices[t[1]], surface.vertices[t[2]]);
         volume[surface.regions[i][0]] += part;
         volume[surface.regions[i][1]] -= part;
     }

@@ -24,8 +24,7 @@ std::vector<double> voxel_volumes(const RegionImage& image, Index num_regions);
 /// smallest dihedral angle, unused nodes, that every meshed region's surface is closed, and
 /// the volume of each meshed region against `expected_mm3`.
 std::string why_unusable(const RegionMesh& mesh, const MeshQuality& quality,
-                         const std::vector<double>& expected_mm3,
-                         const std::vector<Index>& hollow);
+                         const std::vector<double>& expected_mm3, const std::vector<Index>& hollow);
 
 /// Whether all indices are within range: the first check of a mesh that comes from elsewhere.
 bool has_valid_indices(const RegionMesh& mesh);

@@ -56,10 +56,11 @@ fs::path find_mesh_program(const fs::path& given) {
     }
     for (const fs::path& place : usual_places())
         if (is_program(place)) return place;
-    throw Error(ErrorCode::mesh_failed,
-                "the meshing program palpate-mesh was not found beside this program or in PATH: "
-                "build it with -DPALPATE_WITH_MESHER=ON (it needs TetGen or CGAL), set PALPATE_MESH, or "
-                "give a ready mesh with --mesh");
+    throw Error(
+        ErrorCode::mesh_failed,
+        "the meshing program palpate-mesh was not found beside this program or in PATH: "
+        "build it with -DPALPATE_WITH_MESHER=ON (it needs TetGen or CGAL), set PALPATE_MESH, or "
+        "give a ready mesh with --mesh");
 }
 
 }  // namespace palpate

@@ -27,7 +27,8 @@ struct TetgenAim {
     double radius_edge_ratio, min_dihedral_deg, max_dihedral_deg;
 };
 constexpr TetgenAim tetgen_aims[] = {{1.4, 15, 140}, {1.3, 18, 130}, {1.8, 10, 150}};
-constexpr double on_border = 1e-6;   ///< of the box: hull triangles that near lie on the image border
+constexpr double on_border =
+    1e-6;  ///< of the box: hull triangles that near lie on the image border
 constexpr double list_limit_s = 10;  ///< for palpate-mesh --list
 
 struct Request {
@@ -180,8 +181,8 @@ std::vector<Rung> ladder(const Request& request) {
     std::vector<Rung> rungs;
     if (request.options.kind != MesherKind::cgal)
         for (const TetgenAim& aim : tetgen_aims)
-            rungs.push_back({"TetGen", [&](std::string& name) { return with_tetgen(request, aim, name); },
-                             {}});
+            rungs.push_back(
+                {"TetGen", [&](std::string& name) { return with_tetgen(request, aim, name); }, {}});
     if (request.options.kind != MesherKind::tetgen)
         rungs.push_back({"CGAL", [&](std::string& name) { return with_cgal(request, name); },
                          voxel_volumes(request.image, request.num_regions)});
@@ -207,8 +208,8 @@ RegionMesh make_mesh(const RegionSurface& surface, const RegionImage& image,
                      const ProgressSink& progress) {
     check_options(options);
     const auto start = std::chrono::steady_clock::now();
-    Request request{surface, image,   field,    hollow,
-                    options, progress, find_mesh_program(options.program), 0};
+    Request request{
+        surface, image, field, hollow, options, progress, find_mesh_program(options.program), 0};
     request.num_regions = count_regions(surface, image);
 
     MesherSummary result;

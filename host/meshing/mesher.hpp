@@ -25,12 +25,12 @@ enum class MesherKind { automatic, tetgen, cgal };
 
 struct MesherOptions {
     MesherKind kind = MesherKind::automatic;  ///< TetGen first, CGAL if it fails or is absent
-    Index num_nodes = 6000;        ///< wanted number of nodes; met within about 20 %
-    double edge_length_mm = 3.0;   ///< on organ surfaces (CGAL; TetGen keeps the surface given)
+    Index num_nodes = 6000;                   ///< wanted number of nodes; met within about 20 %
+    double edge_length_mm = 3.0;  ///< on organ surfaces (CGAL; TetGen keeps the surface given)
     double outer_edge_length_mm = 12.0;  ///< largest edge, far from organs
-    double time_limit_s = 120;     ///< of the child process
+    double time_limit_s = 120;           ///< of the child process
     double memory_limit_gib = 8;
-    std::filesystem::path program; ///< palpate-mesh; empty: beside the running program, then PATH
+    std::filesystem::path program;  ///< palpate-mesh; empty: beside the running program, then PATH
 };
 
 struct MeshQuality {
@@ -43,8 +43,8 @@ struct MeshQuality {
 MeshQuality mesh_quality(const Mesh& mesh, Index num_regions);
 
 struct MesherSummary {
-    std::string mesher;      ///< "TetGen 1.5.0", "CGAL 5.5.1"
-    std::string fallback;    ///< why the first mesher was not used, empty if it was
+    std::string mesher;    ///< "TetGen 1.5.0", "CGAL 5.5.1"
+    std::string fallback;  ///< why the first mesher was not used, empty if it was
     MeshQuality quality;
     double seconds = 0;
 };

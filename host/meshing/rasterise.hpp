@@ -16,9 +16,9 @@ std::vector<Index> tet_of_voxels(const Mesh& mesh, const std::vector<Vec3>& node
                                  const ImageGrid& grid);
 
 /// The displacement of the mesh nodes (mm, LPS) on the voxel centres of `grid`: linear inside tets;
-/// where there is no tet (hollow organs, outside the domain) continued smoothly by solving Laplace's
-/// equation on the grid with the meshed voxels as boundary values (zero normal derivative at the
-/// image border).
+/// where there is no tet (hollow organs, outside the domain) continued smoothly by solving
+/// Laplace's equation on the grid with the meshed voxels as boundary values (zero normal derivative
+/// at the image border).
 Image<Vec3> displacement_on_grid(const Mesh& mesh, const std::vector<Vec3>& displacement,
                                  const ImageGrid& grid);
 

@@ -13,7 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr double samples_per_edge = 3;
-constexpr double samples_per_voxel = 1.6;  ///< linear interpolation cuts off what curves within a cell
+constexpr double samples_per_voxel =
+    1.6;  ///< linear interpolation cuts off what curves within a cell
 constexpr double facet_volume_loss = 0.02;  ///< that facets inside a round organ may cost
 constexpr double facet_distance_range[] = {0.02, 0.12};  ///< of the edge length
 constexpr int calibrations = 4;
@@ -58,8 +59,8 @@ std::vector<float> sampled(const LabelField& field, const std::vector<Index>& re
     return values;
 }
 
-/// Volumes and areas of the regions of least value, from the samples: a sample within half a cell of
-/// an interface is shared between its two regions.
+/// Volumes and areas of the regions of least value, from the samples: a sample within half a cell
+/// of an interface is shared between its two regions.
 struct Extent {
     std::vector<double> volume, area;
 };
@@ -107,8 +108,8 @@ void calibrate(std::vector<float>& values, const std::vector<Index>& regions,
         for (std::size_t r = 0; r < regions.size(); ++r) {
             if (regions[r] < first_organ_region || extent.area[r] <= 0) continue;
             const double most = grid.spacing.minCoeff();
-            const double change = std::clamp(
-                2 * (extent.volume[r] - wanted[r]) / extent.area[r], -most, most);
+            const double change =
+                std::clamp(2 * (extent.volume[r] - wanted[r]) / extent.area[r], -most, most);
             for (std::size_t n = 0; n < grid.count(); ++n)
                 values[n * regions.size() + r] += static_cast<float>(change);
         }

@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-/// The frame of the volume mesher: axes of the image, origin at the low corner of the image box, mm.
+/// The frame of the volume mesher: axes of the image, origin at the low corner of the image box,
+/// mm.
 struct BoxFrame {
     Mat3 axes = Mat3::Identity();  ///< columns: image axes in LPS
     Vec3 corner = Vec3::Zero();    ///< LPS
@@ -21,9 +22,9 @@ struct BoxFrame {
     bool is_left_handed() const { return axes.determinant() < 0; }
 };
 
-/// Samples the field of every region over the image box, three samples per edge length or more, for the
-/// volume mesher. A constant is added to the field of each organ so that, on the samples, it fills the
-/// volume of its voxels (smoothing shrinks small organs).
+/// Samples the field of every region over the image box, three samples per edge length or more, for
+/// the volume mesher. A constant is added to the field of each organ so that, on the samples, it
+/// fills the volume of its voxels (smoothing shrinks small organs).
 void add_sampled_field(const RegionImage& image, const LabelField& field, double edge_length_mm,
                        Exchange& job);
 

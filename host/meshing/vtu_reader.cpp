@@ -27,10 +27,12 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void unreadable(const fs::path& path, const std::string& why) {
-    throw Error(ErrorCode::input_unreadable, "cannot read the mesh '" + path.string() + "': " + why);
+    throw Error(ErrorCode::input_unreadable,
+                "cannot read the mesh '" + path.string() + "': " + why);
 }
 [[noreturn]] void unusable(const fs::path& path, const std::string& why) {
-    throw Error(ErrorCode::input_unusable, "the mesh '" + path.string() + "' cannot be used: " + why);
+    throw Error(ErrorCode::input_unusable,
+                "the mesh '" + path.string() + "' cannot be used: " + why);
 }
 
 void check_file(const fs::path& path) {
@@ -149,9 +151,9 @@ void take_arrays(vtkUnstructuredGrid& grid, const Kept& kept, const std::string&
             if (array->GetNumberOfComponents() == 1)
                 arrays.point_scalars[array->GetName()].push_back(array->GetComponent(p, 0));
             if (array->GetNumberOfComponents() == 3)
-                arrays.point_vectors[array->GetName()].emplace_back(
-                    array->GetComponent(p, 0), array->GetComponent(p, 1),
-                    array->GetComponent(p, 2));
+                arrays.point_vectors[array->GetName()].emplace_back(array->GetComponent(p, 0),
+                                                                    array->GetComponent(p, 1),
+                                                                    array->GetComponent(p, 2));
         }
     }
     vtkCellData* cell_data = grid.GetCellData();

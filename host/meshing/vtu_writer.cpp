@@ -43,9 +43,9 @@ vtkSmartPointer<vtkDoubleArray> to_vtk(const std::string& name, const std::vecto
 
 void require_size(std::size_t size, std::size_t wanted, const std::string& name) {
     if (size != wanted)
-        throw Error(ErrorCode::invalid_argument,
-                    "mesh array '" + name + "' has " + std::to_string(size) + " values for " +
-                        std::to_string(wanted) + " nodes or tets");
+        throw Error(ErrorCode::invalid_argument, "mesh array '" + name + "' has " +
+                                                     std::to_string(size) + " values for " +
+                                                     std::to_string(wanted) + " nodes or tets");
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> make_grid(const Mesh& mesh, const MeshArrays& arrays,

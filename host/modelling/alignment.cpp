@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/modelling/alignment.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
-#include <fmt/core.h>
 
 #include "solver/base/error.hpp"
 
@@ -105,11 +105,12 @@ AlignmentResult align_surfaces(const std::vector<std::vector<Vec3>>& points,
     }
     result.mean_distance_mm = mean_distance(points, target_maps, result.reference_to_target);
     if (!(result.mean_distance_mm < far_apart_mm)) {
-        throw Error(ErrorCode::input_unusable,
-                    fmt::format("the fixed organs of the two images stay {:.1f} mm apart after rigid "
-                                "alignment; check their labels, give --initial-transform, or use "
-                                "--align centroid",
-                                result.mean_distance_mm));
+        throw Error(
+            ErrorCode::input_unusable,
+            fmt::format("the fixed organs of the two images stay {:.1f} mm apart after rigid "
+                        "alignment; check their labels, give --initial-transform, or use "
+                        "--align centroid",
+                        result.mean_distance_mm));
     }
     return result;
 }

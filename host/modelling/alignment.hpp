@@ -15,9 +15,9 @@ namespace palpate {
 enum class AlignMethod { automatic, fixed, centroid, none, transform };
 
 struct AlignmentResult {
-    std::string method;                      ///< "fixed", "centroid", "none", "transform"
+    std::string method;  ///< "fixed", "centroid", "none", "transform"
     RigidTransform reference_to_target;
-    double mean_distance_mm = 0;             ///< of the fixed surfaces after it, if any
+    double mean_distance_mm = 0;  ///< of the fixed surfaces after it, if any
 };
 
 /// Centroids of the organs that are not fixed: takes the reference centroid to the target's.

@@ -21,9 +21,12 @@ const OrganSettings* organ_of(const Settings& settings, Index region) {
 
 NodeSet set_of(const OrganSettings& organ) {
     switch (organ.role) {
-        case Role::fixed: return NodeSet::fixed;
-        case Role::driven: return NodeSet::driven;
-        case Role::tissue: return NodeSet::observed;
+        case Role::fixed:
+            return NodeSet::fixed;
+        case Role::driven:
+            return NodeSet::driven;
+        case Role::tissue:
+            return NodeSet::observed;
     }
     return NodeSet::free;
 }

@@ -17,9 +17,9 @@ namespace {
 constexpr int tet_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
 struct Face {
-    Triangle nodes{};       ///< as seen from the first tet
-    Index back = -1;        ///< region of the first tet
-    Index front = -1;       ///< region of the second tet, -1: none
+    Triangle nodes{};  ///< as seen from the first tet
+    Index back = -1;   ///< region of the first tet
+    Index front = -1;  ///< region of the second tet, -1: none
 };
 
 std::map<Triangle, Face> faces_of(const Mesh& mesh) {
@@ -105,15 +105,15 @@ RegionMesh region_mesh_from_tets(const Mesh& mesh, const LabelField& field,
     for (const auto& [key, face] : faces_of(mesh)) {
         if (face.front == face.back) continue;
         const Vec3& p0 = mesh.nodes[face.nodes[0]];
-        const Vec3 cross =
-            (mesh.nodes[face.nodes[1]] - p0).cross(mesh.nodes[face.nodes[2]] - p0);
+        const Vec3 cross = (mesh.nodes[face.nodes[1]] - p0).cross(mesh.nodes[face.nodes[2]] - p0);
         const Vec3 centre = (p0 + mesh.nodes[face.nodes[1]] + mesh.nodes[face.nodes[2]]) / 3.0;
         const double edge = std::sqrt(cross.norm());
         Index front = face.front;
         bool border = false;
         if (front < 0) {
             front = region_beyond(field, hollow, centre, cross.normalized(), edge);
-            border = front == outside_region && !field.inside_box(centre + 0.1 * edge * cross.normalized());
+            border = front == outside_region &&
+                     !field.inside_box(centre + 0.1 * edge * cross.normalized());
         }
         result.surface.triangles.push_back(face.nodes);
         result.surface.regions.push_back({face.back, front});

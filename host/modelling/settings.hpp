@@ -23,13 +23,13 @@ struct OrganSettings {
     std::string name;
     Index label = 0;
     Role role = Role::tissue;
-    bool hollow = false;                    ///< default: true for driven and fixed
-    std::optional<double> stiffness_kpa;    ///< empty: unknown
+    bool hollow = false;                  ///< default: true for driven and fixed
+    std::optional<double> stiffness_kpa;  ///< empty: unknown
     double poisson_ratio = 0.40;
 };
 
 struct BackgroundSettings {
-    std::optional<Index> label;             ///< empty: everything that is no organ
+    std::optional<Index> label;  ///< empty: everything that is no organ
     double stiffness_kpa = 10.0;
     double poisson_ratio = 0.35;
     bool outer_boundary_fixed = true;

@@ -22,20 +22,21 @@ struct ObservationOptions {
 };
 
 /// The data term of one surface node: r = d_target(x + u) - d_reference(x), the distance to the
-/// target surface along its normal (method.md section 3). Subtracting the node's own offset from the
-/// reference surface removes what chords and volume correction added to the mesh.
+/// target surface along its normal (method.md section 3). Subtracting the node's own offset from
+/// the reference surface removes what chords and volume correction added to the mesh.
 struct Observation {
-    Index surface = 0;     ///< position in `RecoveryModel::surfaces`
+    Index surface = 0;  ///< position in `RecoveryModel::surfaces`
     Index node = 0;
-    Index position = 0;    ///< in `RecoveryModel::driven` or `observed`
+    Index position = 0;  ///< in `RecoveryModel::driven` or `observed`
     bool on_driven = false;
-    double sigma_mm = 0;   ///< standard deviation, inflated where nodes share voxels
+    double sigma_mm = 0;  ///< standard deviation, inflated where nodes share voxels
 };
 
 /// Values and normals of all observations at one state.
 struct ObservedState {
-    Eigen::VectorXd residual_mm;                     ///< [num_observations]
-    Eigen::Matrix<double, Eigen::Dynamic, 3> normal; ///< gradient of the residual with respect to u
+    Eigen::VectorXd residual_mm;  ///< [num_observations]
+    Eigen::Matrix<double, Eigen::Dynamic, 3>
+        normal;  ///< gradient of the residual with respect to u
 };
 
 class SurfaceObservations {
@@ -54,8 +55,8 @@ public:
 
 private:
     std::vector<Observation> rows_;
-    std::vector<Vec3> position_;        ///< reference position of each row's node
-    std::vector<double> own_offset_;    ///< d_reference(x) of each row
+    std::vector<Vec3> position_;      ///< reference position of each row's node
+    std::vector<double> own_offset_;  ///< d_reference(x) of each row
     ObservedMaps maps_;
 };
 

@@ -41,7 +41,7 @@ struct PelvisTruth {
     double prostate_mean_displacement_mm = 0;
     double prostate_shape_change_mm = 0;  ///< rms of what its best rigid motion leaves
     double prostate_largest_shape_change_mm = 0;
-    double solve_residual = 0;            ///< relative
+    double solve_residual = 0;  ///< relative
     MesherSummary mesher;
 };
 

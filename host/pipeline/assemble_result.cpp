@@ -143,8 +143,8 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelF
             result.resultant_force_mn += found.force.segment<3>(3 * observed.node_of[v]);
         }
     }
-    result.target = picture_surface(
-        map, observed.surface.vertices, picture_edge_mm, [&](const Vec3& point) {
+    result.target =
+        picture_surface(map, observed.surface.vertices, picture_edge_mm, [&](const Vec3& point) {
             return target.inside_box(found.alignment.reference_to_target.apply(point));
         });
     const auto area = vertex_area(observed.surface);

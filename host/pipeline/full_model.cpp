@@ -73,11 +73,11 @@ void solve_full_model(Recovered& found, const LinearSolverOptions& options,
     Columns solution;
     const LinearSolverSummary summary = solver->solve(right, solution, progress);
     if (!summary.converged) {
-        throw Error(ErrorCode::solve_failed,
-                    fmt::format("the final solve reached a relative residual of {:.1e} instead of "
-                                "{:.1e} ({}); try --precision double or --backend reference",
-                                summary.relative_residual, options.relative_tolerance,
-                                summary.message));
+        throw Error(
+            ErrorCode::solve_failed,
+            fmt::format("the final solve reached a relative residual of {:.1e} instead of "
+                        "{:.1e} ({}); try --precision double or --backend reference",
+                        summary.relative_residual, options.relative_tolerance, summary.message));
     }
     found.displacement = solution.col(0);
     found.relative_residual = summary.relative_residual;

@@ -82,7 +82,8 @@ AlignmentResult align(const RecoverOptions& options, const LabelledState& refere
     switch (method_for(options)) {
         case AlignMethod::transform:
             return {"transform", read_rigid_transform(options.initial_transform), 0};
-        case AlignMethod::none: return {"none", {}, 0};
+        case AlignMethod::none:
+            return {"none", {}, 0};
         case AlignMethod::fixed:
             return align_surfaces(fixed_points(surface, options.settings),
                                   maps_of(target.field, options.settings, is_fixed), {});
@@ -94,8 +95,8 @@ AlignmentResult align(const RecoverOptions& options, const LabelledState& refere
 
 void check_overlap(const LabelledState& reference, const LabelledState& target,
                    const AlignmentResult& alignment, const Settings& settings) {
-    const auto carried = carry_regions(reference.field, {}, alignment.reference_to_target,
-                                       target.regions.grid);
+    const auto carried =
+        carry_regions(reference.field, {}, alignment.reference_to_target, target.regions.grid);
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         const Index region = first_organ_region + static_cast<Index>(k);
         if (!is_matched(settings.organs[k]) || dice(carried, target.regions, region) > 0) continue;
@@ -179,8 +180,8 @@ std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const Re
     std::vector<ModulusPrior> priors;
     for (const Index region : recovery.unknown) {
         if (!model.has_region(region)) continue;
-        priors.push_back({region, std::log(prior_median_kpa(settings)),
-                          settings.prior.stiffness_sd_ln});
+        priors.push_back(
+            {region, std::log(prior_median_kpa(settings)), settings.prior.stiffness_sd_ln});
     }
     return priors;
 }
@@ -218,22 +219,21 @@ RecoveryResult recover(const RecoverOptions& options, const ProgressSink& progre
     found.alignment = align(options, reference, target, surface);
     check_overlap(reference, target, found.alignment, settings);
     const RigidTransform& transform = found.alignment.reference_to_target;
-    report_progress(progress, "aligning", 1,
-                    fmt::format("{}: translation ({:.2f}, {:.2f}, {:.2f}) mm",
-                                found.alignment.method, transform.translation[0],
-                                transform.translation[1], transform.translation[2]));
+    report_progress(
+        progress, "aligning", 1,
+        fmt::format("{}: translation ({:.2f}, {:.2f}, {:.2f}) mm", found.alignment.method,
+                    transform.translation[0], transform.translation[1], transform.translation[2]));
 
     timer.start("meshing");
-    found.mesh = mesh_of(options, reference, surface, surface_options.edge_length_mm,
-                         found.mesher, progress);
+    found.mesh = mesh_of(options, reference, surface, surface_options.edge_length_mm, found.mesher,
+                         progress);
     found.recovery = build_model(found.mesh, settings);
     report_progress(progress, "meshing", 1,
                     fmt::format("{}: {} nodes ({} observed, {} driven), {} elements, smallest "
                                 "dihedral angle {:.1f} deg",
                                 found.mesher.mesher, found.mesh.mesh.num_nodes(),
                                 found.recovery.observed.size(), found.recovery.driven.size(),
-                                found.mesh.mesh.num_tets(),
-                                found.mesher.quality.min_dihedral_deg));
+                                found.mesh.mesh.num_tets(), found.mesher.quality.min_dihedral_deg));
 
     timer.start("distances");
     found.maps = observed_maps(reference, target, transform, settings);
@@ -250,9 +250,8 @@ RecoveryResult recover(const RecoverOptions& options, const ProgressSink& progre
         static_cast<Index>(found.recovery.driven.size()), moduli_of(found.recovery.model));
 
     timer.start("searching");
-    const auto precision =
-        displacement_precision(found.recovery, settings.prior.displacement_sd_mm,
-                               settings.prior.displacement_range_mm);
+    const auto precision = displacement_precision(found.recovery, settings.prior.displacement_sd_mm,
+                                                  settings.prior.displacement_range_mm);
     found.estimate =
         map_estimate(reduced, observations, precision,
                      modulus_priors(found.recovery, reduced, settings), options.search, progress);

@@ -18,15 +18,16 @@ struct RecoverOptions {
     std::filesystem::path reference, target;  ///< label volumes
     Settings settings;
     MesherOptions mesher;
-    std::filesystem::path mesh;               ///< ready mesh (.vtu with `region` labels) or empty
+    std::filesystem::path mesh;  ///< ready mesh (.vtu with `region` labels) or empty
     AlignMethod align = AlignMethod::automatic;  ///< fixed organs if there are any, else centroids
-    std::filesystem::path initial_transform;  ///< rigid ITK transform, reference to target, or empty
+    std::filesystem::path
+        initial_transform;  ///< rigid ITK transform, reference to target, or empty
     LinearSolverOptions solver;
     MapOptions search;
 };
 
-/// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section 1).
-/// Throws Error with the codes of each station; not converging is reported in the result.
+/// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section
+/// 1). Throws Error with the codes of each station; not converging is reported in the result.
 RecoveryResult recover(const RecoverOptions& options, const ProgressSink& progress = {});
 
 }  // namespace palpate

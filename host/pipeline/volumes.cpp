@@ -67,8 +67,7 @@ void for_each_slice(Index slices, const Function& function) {
 }  // namespace
 
 RegionImage carry_regions(const LabelField& reference, const Image<Vec3>& displacement,
-                          const RigidTransform& reference_to_target,
-                          const ImageGrid& target_grid) {
+                          const RigidTransform& reference_to_target, const ImageGrid& target_grid) {
     RegionImage carried{target_grid, std::vector<std::uint8_t>(target_grid.num_voxels())};
     const RigidTransform back = reference_to_target.inverse();
     for_each_slice(target_grid.size[2], [&](Index k) {

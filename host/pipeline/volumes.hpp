@@ -7,8 +7,9 @@
 
 namespace palpate {
 
-/// Regions of the reference seen on the target's grid: for every target voxel centre y the region of
-/// `reference` at the point x with transform(x + u(x)) = y. An empty `displacement` stands for u = 0.
+/// Regions of the reference seen on the target's grid: for every target voxel centre y the region
+/// of `reference` at the point x with transform(x + u(x)) = y. An empty `displacement` stands for u
+/// = 0.
 RegionImage carry_regions(const LabelField& reference, const Image<Vec3>& displacement,
                           const RigidTransform& reference_to_target, const ImageGrid& target_grid);
 

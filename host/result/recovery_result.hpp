@@ -23,15 +23,15 @@ struct RegionResult {
     Index region = 0;
     std::string name;
     Index label = 0;
-    std::string role;                     ///< "background", "tissue", "driven", "fixed"
+    std::string role;  ///< "background", "tissue", "driven", "fixed"
     bool hollow = false;
-    bool unknown = false;                 ///< its modulus was estimated
+    bool unknown = false;  ///< its modulus was estimated
     double poisson_ratio = 0;
-    double stiffness_kpa = 0;             ///< estimated or given; 0 for hollow regions
+    double stiffness_kpa = 0;                  ///< estimated or given; 0 for hollow regions
     std::array<double, 2> interval_kpa{0, 0};  ///< 95 % interval; equal ends for a given modulus
-    double sd_ln = 0;                     ///< posterior sd of ln E
-    std::string verdict;                  ///< "recovered", "weak", "not identifiable", "given", "hollow"
-    std::string reason;                   ///< one sentence in words
+    double sd_ln = 0;                          ///< posterior sd of ln E
+    std::string verdict;  ///< "recovered", "weak", "not identifiable", "given", "hollow"
+    std::string reason;   ///< one sentence in words
 };
 
 /// Agreement of one organ's surface with its target, before (aligned) and after.
@@ -49,19 +49,19 @@ struct SurfaceResult {
     std::vector<Index> node_of;
     std::vector<double> distance_before_mm;  ///< signed, per vertex of `reference`, before
     std::vector<double> distance_after_mm;
-    Surface target;                          ///< target surface, aligned, without caps
+    Surface target;  ///< target surface, aligned, without caps
 };
 
 struct RecoveryResult {
     Settings settings;
     std::string settings_toml;
-    std::string reference_name, target_name; ///< file names only, no folders
+    std::string reference_name, target_name;  ///< file names only, no folders
     std::string version;
     std::string seed_note;
-    RegionMesh mesh;                         ///< LPS mm
-    std::vector<Vec3> displacement;          ///< [num_nodes] mm, reference to aligned target
-    std::vector<Vec3> force;                 ///< [num_nodes] mN, reactions at driven and fixed nodes
-    std::vector<double> tet_stiffness_kpa;   ///< [num_tets]
+    RegionMesh mesh;                        ///< LPS mm
+    std::vector<Vec3> displacement;         ///< [num_nodes] mm, reference to aligned target
+    std::vector<Vec3> force;                ///< [num_nodes] mN, reactions at driven and fixed nodes
+    std::vector<double> tet_stiffness_kpa;  ///< [num_tets]
     std::vector<RegionResult> regions;
     std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order
     std::vector<SurfaceResult> surfaces;
@@ -71,15 +71,15 @@ struct RecoveryResult {
     Termination termination;
     MesherSummary mesher;
     BackendInfo device;
-    double full_model_residual = 0;          ///< relative residual of the final solve, fp64 on host
+    double full_model_residual = 0;  ///< relative residual of the final solve, fp64 on host
     std::vector<std::pair<std::string, double>> timings_s;  ///< stages in order; total is added
     std::vector<std::string> warnings;
 
     // Volumes on the reference grid.
     LabelImage reference_labels;
-    LabelImage target_labels_aligned;        ///< resampled to the reference grid, nearest neighbour
-    LabelImage warped_labels;                ///< reference labels carried by the displacement
-    Image<Vec3> displacement_field;          ///< mm, LPS, reference to target (alignment included)
+    LabelImage target_labels_aligned;  ///< resampled to the reference grid, nearest neighbour
+    LabelImage warped_labels;          ///< reference labels carried by the displacement
+    Image<Vec3> displacement_field;    ///< mm, LPS, reference to target (alignment included)
 };
 
 }  // namespace palpate

@@ -17,13 +17,13 @@ struct Surface {
 };
 
 /// One conforming surface between all regions: neighbouring regions share their triangles. The
-/// normal of a triangle points from `regions[0]` (behind) to `regions[1]` (in front). The outer side
-/// of the domain is `outside_region`.
+/// normal of a triangle points from `regions[0]` (behind) to `regions[1]` (in front). The outer
+/// side of the domain is `outside_region`.
 struct RegionSurface {
-    std::vector<Vec3> vertices;                     ///< mm LPS
+    std::vector<Vec3> vertices;  ///< mm LPS
     std::vector<Triangle> triangles;
-    std::vector<std::array<Index, 2>> regions;      ///< [num_triangles]
-    std::vector<std::uint8_t> on_image_border;      ///< [num_triangles] 1: lies on the image box
+    std::vector<std::array<Index, 2>> regions;  ///< [num_triangles]
+    std::vector<std::uint8_t> on_image_border;  ///< [num_triangles] 1: lies on the image box
 
     Index num_triangles() const { return static_cast<Index>(triangles.size()); }
 };

@@ -21,7 +21,7 @@ struct AdjointGradient {
 ///   dj_du  [3 num_nodes] partial derivative of J
 /// `stiffness_kpa` are the moduli of `solver`. Throws Error(solve_failed) if the solve misses its
 /// tolerance.
-AdjointGradient adjoint_gradient(const Model& model, LinearSolver& solver,
-                                 const Eigen::VectorXd& u, const Eigen::VectorXd& dj_du);
+AdjointGradient adjoint_gradient(const Model& model, LinearSolver& solver, const Eigen::VectorXd& u,
+                                 const Eigen::VectorXd& dj_du);
 
 }  // namespace palpate

@@ -28,7 +28,7 @@ struct BackendInfo {
     std::string backend;   ///< "reference", "opencl"
     std::string platform;  ///< empty for host back ends
     std::string device;
-    std::string version;   ///< driver or library version
+    std::string version;  ///< driver or library version
     Precision precision = Precision::double_;
     Product product = Product::assembled;
     int compute_units = 0;
@@ -71,8 +71,8 @@ public:
     virtual void apply_block_jacobi(const DeviceVector& r, DeviceVector& z) = 0;
     /// energy_c = 1/2 x_c . K x_c (mN mm), unconstrained.
     virtual void strain_energy(const DeviceVector& x, std::span<double> energy) = 0;
-    /// gradient[material] = sum over columns of lambda_c . K_r x_c with K_r the unit-modulus stiffness
-    /// of region r (unconstrained): dK/dE_r = K_r.
+    /// gradient[material] = sum over columns of lambda_c . K_r x_c with K_r the unit-modulus
+    /// stiffness of region r (unconstrained): dK/dE_r = K_r.
     virtual void parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
                                     std::span<double> gradient) = 0;
 

@@ -13,11 +13,11 @@ namespace palpate {
 
 /// One device that a back end can use.
 struct DeviceInfo {
-    std::string backend;   ///< "opencl"
-    std::string id;        ///< what `--device` takes: "0.1" = platform 0, device 1
+    std::string backend;  ///< "opencl"
+    std::string id;       ///< what `--device` takes: "0.1" = platform 0, device 1
     std::string platform;
     std::string name;
-    std::string type;      ///< "CPU", "GPU", "accelerator", "host"
+    std::string type;  ///< "CPU", "GPU", "accelerator", "host"
     std::string version;
     std::string driver;
     int compute_units = 0;

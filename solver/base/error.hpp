@@ -36,24 +36,38 @@ private:
 };
 
 /// Stable, documented process exit codes: 0 ok; 1 internal; 2 usage; 3 unreadable input;
-/// 4 unusable input; 5 meshing; 6 forward solve; 7 not converged; 8 device; 9 time limit; 10 output.
+/// 4 unusable input; 5 meshing; 6 forward solve; 7 not converged; 8 device; 9 time limit; 10
+/// output.
 constexpr int exit_code_not_converged = 7;
 
 constexpr int exit_code_of(ErrorCode code) {
     switch (code) {
-        case ErrorCode::internal: return 1;
-        case ErrorCode::invalid_argument: return 2;
-        case ErrorCode::unsupported: return 2;
-        case ErrorCode::input_unreadable: return 3;
-        case ErrorCode::input_unusable: return 4;
-        case ErrorCode::mesh_failed: return 5;
-        case ErrorCode::solve_failed: return 6;
-        case ErrorCode::device_unavailable: return 8;
-        case ErrorCode::kernel_build_failed: return 8;
-        case ErrorCode::device_failed: return 8;
-        case ErrorCode::out_of_memory: return 8;
-        case ErrorCode::time_limit: return 9;
-        case ErrorCode::output_failed: return 10;
+        case ErrorCode::internal:
+            return 1;
+        case ErrorCode::invalid_argument:
+            return 2;
+        case ErrorCode::unsupported:
+            return 2;
+        case ErrorCode::input_unreadable:
+            return 3;
+        case ErrorCode::input_unusable:
+            return 4;
+        case ErrorCode::mesh_failed:
+            return 5;
+        case ErrorCode::solve_failed:
+            return 6;
+        case ErrorCode::device_unavailable:
+            return 8;
+        case ErrorCode::kernel_build_failed:
+            return 8;
+        case ErrorCode::device_failed:
+            return 8;
+        case ErrorCode::out_of_memory:
+            return 8;
+        case ErrorCode::time_limit:
+            return 9;
+        case ErrorCode::output_failed:
+            return 10;
     }
     return 1;
 }

@@ -9,7 +9,7 @@ namespace palpate {
 
 /// One step of a long computation. `fraction` is 0..1 within the stage, or negative if unknown.
 struct Progress {
-    std::string stage;    ///< short, lower case: "meshing", "condensing", "searching"
+    std::string stage;  ///< short, lower case: "meshing", "condensing", "searching"
     double fraction = -1;
     std::string message;  ///< what is going on, with numbers; may be empty
 };

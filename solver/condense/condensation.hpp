@@ -15,15 +15,15 @@ namespace palpate {
 /// every E. Only the columns of the observed nodes are formed.
 struct CondensedRegion {
     Index region = 0;
-    std::vector<Index> observed;  ///< positions in the observed node list, ascending
-    std::vector<Index> driven;    ///< positions in the driven node list, ascending
+    std::vector<Index> observed;        ///< positions in the observed node list, ascending
+    std::vector<Index> driven;          ///< positions in the driven node list, ascending
     Eigen::MatrixXd observed_observed;  ///< [3 |observed|, 3 |observed|], mN/mm per kPa, symmetric
     Eigen::MatrixXd observed_driven;    ///< [3 |observed|, 3 |driven|]
 };
 
 struct CondensationSummary {
-    LinearSolverSummary linear;   ///< summed over the regions
-    Index columns = 0;            ///< right-hand sides solved
+    LinearSolverSummary linear;  ///< summed over the regions
+    Index columns = 0;           ///< right-hand sides solved
     double seconds = 0;
 };
 

@@ -16,19 +16,19 @@ namespace palpate {
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 struct LinearSolverOptions {
-    std::string backend = "opencl";       ///< "reference" solves directly, others by block CG
+    std::string backend = "opencl";  ///< "reference" solves directly, others by block CG
     BackendOptions device;
-    double relative_tolerance = 1e-8;     ///< on |b - K x| / |b|, per column, checked in fp64
-    int max_iterations = 20000;           ///< of CG, per refinement step
-    int max_refinements = 12;             ///< fp64 refinement steps round the device solve
-    Index columns_per_batch = 16;         ///< columns that share one pass over the mesh
+    double relative_tolerance = 1e-8;  ///< on |b - K x| / |b|, per column, checked in fp64
+    int max_iterations = 20000;        ///< of CG, per refinement step
+    int max_refinements = 12;          ///< fp64 refinement steps round the device solve
+    Index columns_per_batch = 16;      ///< columns that share one pass over the mesh
 };
 
 struct LinearSolverSummary {
     bool converged = false;
-    int iterations = 0;               ///< CG iterations, summed over batches and refinements
-    int refinements = 0;              ///< largest number any batch needed
-    double relative_residual = 0;     ///< largest over the columns, fp64, checked on the host
+    int iterations = 0;            ///< CG iterations, summed over batches and refinements
+    int refinements = 0;           ///< largest number any batch needed
+    double relative_residual = 0;  ///< largest over the columns, fp64, checked on the host
     double seconds = 0;
     std::string message;
 };

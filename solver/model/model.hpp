@@ -20,8 +20,8 @@ struct Model {
     Index num_dofs() const { return 3 * mesh.num_nodes(); }
 };
 
-/// Throws Error(invalid_argument) naming the first broken rule: sizes, node numbers, region numbers,
-/// positive volumes, material ranges.
+/// Throws Error(invalid_argument) naming the first broken rule: sizes, node numbers, region
+/// numbers, positive volumes, material ranges.
 void check_model(const Model& model);
 
 }  // namespace palpate

@@ -41,8 +41,8 @@ struct Fixture {
         const Index n = 3 * static_cast<Index>(on.size());
         Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
         result.observed_observed = root * root.transpose() / n + Eigen::MatrixXd::Identity(n, n);
-        result.observed_driven = Eigen::MatrixXd::NullaryExpr(
-            n, 3 * static_cast<Index>(dn.size()), [&] { return normal(random); });
+        result.observed_driven = Eigen::MatrixXd::NullaryExpr(n, 3 * static_cast<Index>(dn.size()),
+                                                              [&] { return normal(random); });
         return result;
     }
     std::vector<CondensedRegion> regions() {
@@ -59,9 +59,7 @@ struct Fixture {
         }
         return result;
     }
-    LinearisedProblem problem() const {
-        return {model, rows, driven, observed, precision, priors};
-    }
+    LinearisedProblem problem() const { return {model, rows, driven, observed, precision, priors}; }
 };
 
 TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
@@ -85,20 +83,19 @@ TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
                 (row.sigma_mm * row.sigma_mm);
         } else {
             normals.block<3, 1>(first, row.position) = row.normal;
-            target[row.position] =
-                row.normal.dot(f.observed.segment<3>(first)) - row.residual_mm;
+            target[row.position] = row.normal.dot(f.observed.segment<3>(first)) - row.residual_mm;
         }
     }
     Eigen::MatrixXd coupling(15, 12);
-    for (Index c = 0; c < 12; ++c) coupling.col(c) = model.coupling_times(Eigen::VectorXd::Unit(12, c));
+    for (Index c = 0; c < 12; ++c)
+        coupling.col(c) = model.coupling_times(Eigen::VectorXd::Unit(12, c));
     const Eigen::MatrixXd jacobian = -normals.transpose() * model.stiffness().inverse() * coupling;
     const Eigen::VectorXd mean = hessian.inverse() * right;
-    const Eigen::MatrixXd covariance =
-        jacobian * hessian.inverse() * jacobian.transpose() +
-        0.16 * Eigen::MatrixXd::Identity(5, 5);
+    const Eigen::MatrixXd covariance = jacobian * hessian.inverse() * jacobian.transpose() +
+                                       0.16 * Eigen::MatrixXd::Identity(5, 5);
     const Eigen::VectorXd error = target - jacobian * mean;
-    double expected = 0.5 * error.dot(covariance.inverse() * error) +
-                      0.5 * std::log(covariance.determinant());
+    double expected =
+        0.5 * error.dot(covariance.inverse() * error) + 0.5 * std::log(covariance.determinant());
     for (int k = 0; k < 2; ++k) expected += 0.5 * std::pow((theta[k] - std::log(60.0)) / 1.2, 2);
     const Eigen::VectorXd best =
         mean + hessian.inverse() * jacobian.transpose() * covariance.inverse() * error;

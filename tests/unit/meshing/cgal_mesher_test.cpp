@@ -70,7 +70,8 @@ TEST_F(CgalMesher, keeps_the_image_box_exactly) {
 }
 
 TEST_F(CgalMesher, leaves_hollow_regions_empty) {
-    const RegionImage image = testing::ball_image(60, 2, {{{30, 30, 30}, 14, 2}, {{30, 30, 30}, 7, 3}});
+    const RegionImage image =
+        testing::ball_image(60, 2, {{{30, 30, 30}, 14, 2}, {{30, 30, 30}, 7, 3}});
     const RegionMesh result = cgal_mesh(image, 4, {2}, coarse());
     const std::set<Index> regions(result.mesh.region.begin(), result.mesh.region.end());
     EXPECT_EQ(regions, (std::set<Index>{1, 3}));
@@ -80,7 +81,8 @@ TEST_F(CgalMesher, leaves_hollow_regions_empty) {
 TEST_F(CgalMesher, finds_every_one_of_many_small_islands) {
     std::vector<Ball> balls;
     for (int i = 0; i < 8; ++i)
-        balls.push_back({Vec3(15 + 30 * (i & 1), 15 + 30 * ((i >> 1) & 1), 15 + 30 * (i >> 2)), 5, 2});
+        balls.push_back(
+            {Vec3(15 + 30 * (i & 1), 15 + 30 * ((i >> 1) & 1), 15 + 30 * (i >> 2)), 5, 2});
     const RegionImage image = testing::ball_image(60, 1.5, balls);
     MesherOptions options = coarse();
     options.num_nodes = 3000;

@@ -90,12 +90,10 @@ TEST(Mesher, refuses_options_out_of_range) {
 
 TEST(Mesher, is_cancelled_by_the_progress_sink) {
     const RegionImage image = testing::plain_image();
-    EXPECT_THROW(make_mesh(testing::touching_boxes({1}, 4, 40), image, LabelField(image, 2), {}, {},
-                           nullptr,
-                           [](const Progress&) {
-                               throw Error(ErrorCode::invalid_argument, "cancelled");
-                           }),
-                 Error);
+    EXPECT_THROW(
+        make_mesh(testing::touching_boxes({1}, 4, 40), image, LabelField(image, 2), {}, {}, nullptr,
+                  [](const Progress&) { throw Error(ErrorCode::invalid_argument, "cancelled"); }),
+        Error);
 }
 
 }  // namespace

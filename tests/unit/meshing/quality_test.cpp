@@ -12,9 +12,7 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-Mesh corner_tet() {
-    return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}}, {1}};
-}
+Mesh corner_tet() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}}, {1}}; }
 
 TEST(MeshQuality, of_a_regular_tet_has_one_dihedral_angle) {
     Mesh mesh = corner_tet();

@@ -22,12 +22,12 @@ void add_triangle(RegionSurface& surface, const Triangle& triangle, Index behind
 Surface icosahedron() {
     const double g = (1 + std::sqrt(5.0)) / 2;
     Surface s;
-    s.vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                  {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-    s.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11},
-                   {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                   {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9},
-                   {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+    s.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                  {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    s.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                   {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                   {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                   {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
     return s;
 }
 
@@ -121,8 +121,7 @@ RegionSurface touching_boxes(const std::vector<Index>& regions, int cells, doubl
         const Vec3 low(side_mm * static_cast<double>(i), 0, 0);
         const Vec3 high = low + Vec3::Constant(side_mm);
         const Index next = i + 1 < regions.size() ? regions[i + 1] : outside_region;
-        if (i == 0)
-            add_wall(surface, vertex, low, high, n, 0, false, regions[i], outside_region);
+        if (i == 0) add_wall(surface, vertex, low, high, n, 0, false, regions[i], outside_region);
         add_wall(surface, vertex, low, high, n, 0, true, regions[i], next);
         for (int axis : {1, 2})
             for (bool at_high : {false, true})

@@ -19,8 +19,8 @@ void add_box(RegionSurface& surface, const Vec3& low, const Vec3& high, std::arr
 /// `cells` squares per side of each.
 RegionSurface touching_boxes(const std::vector<Index>& regions, int cells, double side_mm);
 
-/// A pelvis in spheres: box 120 mm (background 1), prostate 2 with a zone 5 nested in it, hollow bladder 3
-/// and rectum 4.
+/// A pelvis in spheres: box 120 mm (background 1), prostate 2 with a zone 5 nested in it, hollow
+/// bladder 3 and rectum 4.
 RegionSurface sphere_pelvis(int level);
 
 }  // namespace palpate::testing

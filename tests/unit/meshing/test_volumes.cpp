@@ -27,7 +27,8 @@ RegionImage ball_image(double size_mm, double voxel_mm, const std::vector<Ball>&
 }
 
 std::vector<Ball> pelvis_balls() {
-    return {{{60, 55, 45}, 18, 2}, {{60, 55, 45}, 8, 5}, {{60, 50, 88}, 23, 3}, {{60, 92, 50}, 16, 4}};
+    return {
+        {{60, 55, 45}, 18, 2}, {{60, 55, 45}, 8, 5}, {{60, 50, 88}, 23, 3}, {{60, 92, 50}, 16, 4}};
 }
 
 RegionImage plain_image() { return ball_image(40, 4, {}); }

@@ -14,7 +14,8 @@ struct Ball {
     Index region = 0;
 };
 
-/// A region image of background with balls in it, later ones over earlier ones. Box of `size_mm` a side.
+/// A region image of background with balls in it, later ones over earlier ones. Box of `size_mm` a
+/// side.
 RegionImage ball_image(double size_mm, double voxel_mm, const std::vector<Ball>& balls,
                        const Mat3& direction = Mat3::Identity());
 

@@ -25,7 +25,8 @@ RegionMesh tetgen_mesh(const RegionSurface& surface, const std::vector<Index>& h
 
 std::array<double, 9> corners(const RegionSurface& surface, Index i) {
     std::array<double, 9> values{};
-    for (int k = 0; k < 3; ++k) Vec3::Map(values.data() + 3 * k) = surface.vertices[surface.triangles[i][k]];
+    for (int k = 0; k < 3; ++k)
+        Vec3::Map(values.data() + 3 * k) = surface.vertices[surface.triangles[i][k]];
     return values;
 }
 
@@ -70,8 +71,9 @@ TEST_F(TetgenMesher, leaves_hollow_regions_empty_and_drops_their_nodes) {
     EXPECT_EQ(result.surface.num_triangles(), surface.num_triangles());
     for (const Vec3& node : result.mesh.nodes)
         EXPECT_GT((node - Vec3(60, 50, 88)).norm(), 23 - 1e-9);
-    EXPECT_EQ(why_unusable(result, mesh_quality(result.mesh, 6), enclosed_volumes(surface, 6), {3, 4}),
-              "");
+    EXPECT_EQ(
+        why_unusable(result, mesh_quality(result.mesh, 6), enclosed_volumes(surface, 6), {3, 4}),
+        "");
 }
 
 TEST_F(TetgenMesher, drops_walls_between_two_hollow_regions_with_their_nodes) {

@@ -50,7 +50,8 @@ TEST(Vtu, returns_the_mesh_and_its_arrays_bit_for_bit) {
     const Mesh mesh = two_tets();
     MeshArrays arrays;
     arrays.point_scalars["pressure"] = {1, 2, 3, 4, 1.0 / 7};
-    arrays.point_vectors["displacement"] = {{1, 2, 3}, {0, 0, 0}, {0, 1, 0}, {9, 9, 9}, {1e-9, 0, 5}};
+    arrays.point_vectors["displacement"] = {
+        {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, {9, 9, 9}, {1e-9, 0, 5}};
     arrays.cell_scalars["stiffness"] = {10, 1.0 / 3};
     write_vtu(path, mesh, arrays);
     MeshArrays back;
@@ -134,9 +135,11 @@ TEST(Vtu, refuses_nodes_out_of_range_flat_tets_and_fractional_labels) {
     const fs::path path = folder.path() / "mesh.vtk";
     const auto code = [&](const std::string& points, const std::string& cell,
                           const std::string& label) {
-        std::ofstream(path) << legacy_head << "POINTS 4 double\n" << points << "\nCELLS 1 5\n4 "
-                            << cell << "\nCELL_TYPES 1\n10\nCELL_DATA 1\n"
-                            << "SCALARS region double 1\nLOOKUP_TABLE default\n" << label << "\n";
+        std::ofstream(path) << legacy_head << "POINTS 4 double\n"
+                            << points << "\nCELLS 1 5\n4 " << cell
+                            << "\nCELL_TYPES 1\n10\nCELL_DATA 1\n"
+                            << "SCALARS region double 1\nLOOKUP_TABLE default\n"
+                            << label << "\n";
         return code_of(path);
     };
     const std::string good = "0 0 0 1 0 0 0 1 0 0 0 1";

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""The main job through the command line, on a small phantom: what it writes and that both back ends
+and both meshers agree."""
+import json
+
+import nibabel
+import numpy
+import pytest
+
+from tests.conftest import recover_arguments, run_palpate
+
+
+def recovered(phantom, out, *more):
+    finished = run_palpate(*recover_arguments(phantom, out, *more))
+    assert finished.returncode == 0, finished.stderr
+    return json.loads((out / "result.json").read_text())
+
+
+def prostate(report):
+    return next(region for region in report["regions"] if region["name"] == "prostate")
+
+
+@pytest.fixture(scope="module")
+def result(phantom, tmp_path_factory):
+    out = tmp_path_factory.mktemp("recover") / "out"
+    return out, recovered(phantom, out)
+
+
+def test_every_file_is_there(result):
+    out, _ = result
+    names = {entry.name for entry in out.iterdir()}
+    assert {"result.json", "mesh.vtu", "displacement.nii.gz", "warped_labels.nii.gz",
+            "report.html"} <= names
+
+
+def test_the_json_holds_what_programs_need(result):
+    _, report = result
+    for key in ("name", "label", "role", "stiffness_kpa", "interval_kpa", "verdict"):
+        assert key in prostate(report)
+    for key in ("name", "dice_before", "dice_after", "mean_distance_mm_before",
+                "mean_distance_mm_after", "max_distance_mm_after"):
+        assert key in report["surfaces"][0]
+    assert report["termination"]["converged"] is True
+    assert report["mesh"]["nodes"] > 1000 and report["mesh"]["elements"] > 4000
+    assert report["timings_s"]["total"] > 0
+    assert report["device"] and report["settings"] and report["version"]
+
+
+def test_the_surfaces_come_closer(result):
+    _, report = result
+    for surface in report["surfaces"]:
+        assert surface["mean_distance_mm_after"] < 0.3 * surface["mean_distance_mm_before"]
+        assert surface["dice_after"] > surface["dice_before"]
+
+
+def test_the_displacement_is_a_vector_image_on_the_reference_grid(phantom, result):
+    out, _ = result
+    reference = nibabel.load(phantom / "reference.nii.gz")
+    field = nibabel.load(out / "displacement.nii.gz")
+    assert field.header["intent_code"] == 1007
+    assert field.shape == (*reference.shape, 1, 3)
+    numpy.testing.assert_allclose(field.affine, reference.affine, atol=1e-4)
+
+
+def test_the_displacement_follows_the_landmarks(phantom, result):
+    out, _ = result
+    rows = numpy.loadtxt(phantom / "landmarks.csv", delimiter=",", skiprows=1)
+    field = nibabel.load(out / "displacement.nii.gz")
+    values = numpy.asarray(field.dataobj)[:, :, :, 0, :]
+    index = nibabel.affines.apply_affine(numpy.linalg.inv(field.affine), rows[:, :3] * [-1, -1, 1])
+    at = numpy.rint(index).astype(int)
+    error = numpy.linalg.norm(values[at[:, 0], at[:, 1], at[:, 2]] - rows[:, 3:6], axis=1)
+    moved = numpy.linalg.norm(rows[:, 3:6], axis=1)
+    assert error.mean() < 0.5 < moved.mean()
+
+
+def test_the_host_back_end_gives_the_same_modulus(phantom, result, tmp_path):
+    _, report = result
+    host = recovered(phantom, tmp_path / "out", "--backend", "reference")
+    assert host["device"]["backend"] == "reference"
+    assert prostate(host)["stiffness_kpa"] == pytest.approx(prostate(report)["stiffness_kpa"],
+                                                            rel=1e-2)
+
+
+def test_a_ready_mesh_gives_the_same_modulus(phantom, result, tmp_path):
+    out, report = result
+    again = recovered(phantom, tmp_path / "out", "--mesh", out / "mesh.vtu")
+    assert again["mesh"]["nodes"] == report["mesh"]["nodes"]
+    assert prostate(again)["stiffness_kpa"] == pytest.approx(prostate(report)["stiffness_kpa"],
+                                                             rel=2e-2)

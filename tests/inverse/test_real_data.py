@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""Real pairs: how well the target is met, and landmarks that the search never saw."""
+import json
+
+import nibabel
+import numpy
+import pytest
+
+from tests.conftest import DATA, ROOT, run_palpate
+
+
+def needed(folder):
+    path = DATA / folder
+    if not path.is_dir():
+        pytest.skip(f"real data is missing: {path}; set PALPATE_DATA")
+    return path
+
+
+def test_pelvis_mr_pair_meets_its_target(tmp_path):
+    data = needed("pelvis_mr_pair_prostatex0001")
+    finished = run_palpate(
+        "recover", data / "reference_labels.nii.gz", data / "deformed_labels.nii.gz", "--config",
+        ROOT / "examples/pelvis_mr/organs.toml", "--initial-transform",
+        ROOT / "examples/pelvis_mr/align.tfm", "--out", tmp_path / "out", "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    report = json.loads((tmp_path / "out/result.json").read_text())
+    surfaces = {surface["name"]: surface for surface in report["surfaces"]}
+    for name in ("bladder", "rectum"):
+        assert surfaces[name]["dice_after"] >= 0.97
+        assert surfaces[name]["mean_distance_mm_after"] <= 0.5
+    for name in ("transition zone", "peripheral zone"):
+        assert surfaces[name]["mean_distance_mm_after"] <= 1.0
+
+    warped = numpy.asarray(nibabel.load(tmp_path / "out/warped_labels.nii.gz").dataobj)
+    target = numpy.asarray(nibabel.load(data / "deformed_labels.nii.gz").dataobj)
+    ours, theirs = numpy.isin(warped, (2, 3)), numpy.isin(target, (2, 3))
+    assert 2 * (ours & theirs).sum() / (ours.sum() + theirs.sum()) >= 0.94
+
+    zones = [region for region in report["regions"] if region["label"] in (2, 3)]
+    for zone in zones:
+        low, high = zone["interval_kpa"]
+        assert 0 < low < zone["stiffness_kpa"] < high
+        assert zone["verdict"] in ("recovered", "weak", "not identifiable")
+
+
+def landmark_rms_mm(folder, rows):
+    image = nibabel.load(folder / "displacement.nii.gz")
+    field = numpy.asarray(image.dataobj)[:, :, :, 0, :]
+    index = nibabel.affines.apply_affine(numpy.linalg.inv(image.affine), rows[:, 1:4] * [-1, -1, 1])
+    low = numpy.clip(numpy.floor(index).astype(int), 0, numpy.array(field.shape[:3]) - 2)
+    fraction = index - low
+    moved = numpy.zeros((len(rows), 3))
+    for corner in numpy.ndindex(2, 2, 2):
+        weight = numpy.prod(numpy.where(corner, fraction, 1 - fraction), axis=1)
+        at = low + corner
+        moved += weight[:, None] * field[at[:, 0], at[:, 1], at[:, 2]]
+    errors = rows[:, 1:4] + moved - rows[:, 4:7]
+    return numpy.sqrt((errors ** 2).sum(axis=1).mean())
+
+
+def test_lung_landmarks_come_closer_than_by_the_best_translation(tmp_path):
+    data = needed("lung_ct_pair_elastix")
+    finished = run_palpate(
+        "recover", data / "baseline_lung_mask.mha", data / "followup_lung_mask.mha", "--config",
+        ROOT / "examples/lung_ct/organs.toml", "--align", "centroid", "--out", tmp_path / "out",
+        "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    rows = numpy.genfromtxt(data / "landmarks.csv", delimiter=",", skip_header=2)
+    assert len(rows) == 26
+    assert landmark_rms_mm(tmp_path / "out", rows) < 4.8
