@@ -64,4 +64,11 @@ std::array<double, 2> profile_interval(const ProfileResult& profile, double best
     return interval;
 }
 
+std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa) {
+    const double model = 1.96 * model_sd_ln;
+    const double below = std::hypot(std::log(best_kpa / interval_kpa[0]), model);
+    const double above = std::hypot(std::log(interval_kpa[1] / best_kpa), model);
+    return {best_kpa * std::exp(-below), best_kpa * std::exp(above)};
+}
+
 }  // namespace palpate

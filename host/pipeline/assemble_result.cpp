@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/inverse/identifiability.hpp"
+#include "host/inverse/uncertainty.hpp"
 #include "host/meshing/rasterise.hpp"
 #include "host/modelling/regions.hpp"
 #include "host/pipeline/finish.hpp"
@@ -56,8 +57,8 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
         if (estimate.unknown[k].region != result.region) continue;
         const Index row = static_cast<Index>(k);
-        result.interval_kpa = estimate.interval_kpa[k];
-        result.sd_ln = std::sqrt(estimate.covariance(row, row));
+        result.interval_kpa = with_model_error(estimate.interval_kpa[k], result.stiffness_kpa);
+        result.sd_ln = std::hypot(std::sqrt(estimate.covariance(row, row)), model_sd_ln);
         verdict = judge(result.interval_kpa, result.sd_ln, estimate.unknown[k].sd_ln);
     }
     if (!has_known_tissue(settings)) verdict = judge_without_reference();

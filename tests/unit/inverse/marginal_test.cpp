@@ -156,5 +156,15 @@ TEST(Uncertainty, ProfileIntervalOfAParabolaIsTheGaussianOne) {
     EXPECT_NEAR(std::log(interval[0] / 80), -1.96 * sd, 1e-3);
 }
 
+TEST(Uncertainty, ModelErrorAddsInQuadratureOnBothSides) {
+    const double sd = 0.2;
+    const auto widened =
+        with_model_error({80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, 80);
+
+    const double expected = 1.96 * std::sqrt(sd * sd + model_sd_ln * model_sd_ln);
+    EXPECT_NEAR(std::log(widened[1] / 80), expected, 1e-12);
+    EXPECT_NEAR(std::log(widened[0] / 80), -expected, 1e-12);
+}
+
 }  // namespace
 }  // namespace palpate
