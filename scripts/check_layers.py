@@ -32,7 +32,8 @@ ALLOWED = {
     "solver/adjoint": BACKEND + ["solver/linear"],
     "solver/condense": BACKEND + ["solver/linear"],
     # The mesh program is licensed apart: it shares the exchange format and plain types, no more.
-    "host/mesh_tool": ["solver/base", "solver/mesh", "host/meshing/exchange"],
+    "host/mesh_tool": ["solver/base", "solver/mesh", "host/meshing/exchange",
+                       "host/meshing/dihedral"],
     "host/phantom": SOLVER + STATIONS[:4],
     "host/pipeline": SOLVER + STATIONS + ["host/phantom"],
     "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],

@@ -18,6 +18,7 @@
 
 #include "host/mesh_tool/label_grid.hpp"
 #include "host/mesh_tool/mesh_job.hpp"
+#include "host/mesh_tool/node_mover.hpp"
 #include "host/mesh_tool/region_fill.hpp"
 #include "solver/base/error.hpp"
 
@@ -43,6 +44,7 @@ constexpr double radius_edge_ratio = 2.5;
 constexpr double surface_error = 1e-5;  ///< of the size of the box, of points on interfaces
 constexpr double exude_deg = 8;         ///< dihedral angles below are improved by weights
 constexpr double perturb_deg = 6;  ///< ... and by moving nodes; reached within a second, 12 never
+constexpr double sliver_deg = 10;  ///< ... and by moving nodes once more, surfaces too
 constexpr double improve_limit_s = 30;  ///< for inputs that never settle: usual is below 1 s
 constexpr double seed_distance = 0.25;  ///< of the edge length, between seeds
 constexpr double on_box = 1e-3;         ///< of the edge length: hull nodes that near lie on the box
@@ -234,6 +236,7 @@ MeshReply mesh_with_cgal(const VolumeJob& job) {
     if (reply.mesh.tets.empty()) throw Error(ErrorCode::mesh_failed, "CGAL returned no mesh");
     turn_to_positive_volume(reply.mesh);
     interfaces_between_regions(reply.mesh, reply.triangles, reply.regions);
+    move_nodes_of_slivers(reply.mesh, reply.triangles, SurfaceNodes::slide, sliver_deg);
     snap_to_box(reply, job.box_low, job.box_high, on_box * job.edge_length_mm);
     keep_meshed(reply, job.hollow);
     return reply;
