@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <new>
 
@@ -41,9 +42,17 @@ int parse_and_run(int argc, char** argv) {
     return run();
 }
 
+/// The search makes and drops matrices of a hundred megabytes all the time. Kept by the allocator,
+/// their pages need not be fetched from the system, and cleared, at every step.
+void keep_large_blocks() {
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, 2047 << 20);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    keep_large_blocks();
     try {
         return parse_and_run(argc, argv);
     } catch (const palpate::Error& error) {

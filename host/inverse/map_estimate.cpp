@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -36,6 +37,13 @@ double robust_inflation(double z) { return std::sqrt(std::max(1.0, std::abs(z) /
 
 double largest(const Eigen::VectorXd& vector) {
     return vector.size() == 0 ? 0.0 : vector.cwiseAbs().maxCoeff();
+}
+
+/// A change of ln E over the posterior standard deviation that the search knows.
+Eigen::VectorXd in_standard_deviations(const Eigen::VectorXd& change, const ModulusMinimum& best) {
+    if (change.size() == 0) return change;
+    const Eigen::VectorXd variance = best.hessian.inverse().diagonal();
+    return change.cwiseQuotient(variance.cwiseAbs().cwiseSqrt());
 }
 
 struct State {
@@ -242,7 +250,7 @@ MapEstimate Search::run() {
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
         const double moved = largest(best.evaluation.driven - state.driven);
-        const double changed = largest(best.theta - state.theta);
+        const double changed = largest(in_standard_deviations(best.theta - state.theta, best));
         const double objective_before = state.objective;
         bool improved = true;
         state = accelerated_step(state, best, acceleration, improved);
@@ -256,15 +264,16 @@ MapEstimate Search::run() {
         }
         const double objective_changed = std::abs(state.objective - objective_before);
         const bool is_quiet =
-            changed < options_.modulus_tolerance &&
+            changed < options_.modulus_tolerance_sd &&
             objective_changed < options_.objective_tolerance_per_row * observations_.num_rows();
         quiet_steps = is_quiet ? quiet_steps + 1 : 0;
         if (quiet_steps == needed_quiet_steps) {
             termination.converged = true;
             termination.reason = fmt::format(
-                "{} steps in a row changed no modulus by more than {:.2g} % and the log posterior "
-                "by less than {:.2g} per surface point",
-                needed_quiet_steps, 100.0 * options_.modulus_tolerance,
+                "{} steps in a row changed no modulus by more than {:.2g} of its standard "
+                "deviation and "
+                "the log posterior by less than {:.2g} per surface point",
+                needed_quiet_steps, options_.modulus_tolerance_sd,
                 options_.objective_tolerance_per_row);
             break;
         }

@@ -15,9 +15,10 @@ namespace palpate {
 
 struct MapOptions {
     int max_iterations = 40;
-    // Converged: three steps in a row of which none would change ln E by more than the first or the
-    // objective (a log posterior) by more than the second times the number of surface points.
-    double modulus_tolerance = 7.5e-3;
+    // Converged: three steps in a row of which none would change ln E by more than the first times
+    // its posterior standard deviation, or the objective (a log posterior) by more than the second
+    // times the number of surface points.
+    double modulus_tolerance_sd = 0.1;
     double objective_tolerance_per_row = 1e-3;
     double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
     bool estimate_noise = true;  ///< scale sigma_n to what the observed surface shows
