@@ -250,8 +250,7 @@ MapEstimate Search::run() {
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
         const double moved = largest(best.evaluation.driven - state.driven);
-        const double changed = largest(in_standard_deviations(best.theta - state.theta, best));
-        const double objective_before = state.objective;
+        const Eigen::VectorXd theta_before = state.theta;
         bool improved = true;
         state = accelerated_step(state, best, acceleration, improved);
         record(k, state, best, moved);
@@ -262,7 +261,9 @@ MapEstimate Search::run() {
             state = state_at(state.driven, state.theta);
             continue;
         }
-        const double objective_changed = std::abs(state.objective - objective_before);
+        const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
+        const double objective_changed =
+            k == 1 ? 1e300 : std::abs(records_[k - 1].objective - records_[k - 2].objective);
         const bool is_quiet =
             changed < options_.modulus_tolerance_sd &&
             objective_changed < options_.objective_tolerance_per_row * observations_.num_rows();
