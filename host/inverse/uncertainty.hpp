@@ -27,7 +27,7 @@ ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd
 std::array<double, 2> profile_interval(const ProfileResult& profile, double best_kpa);
 
 /// Standard deviation of ln E that the model itself adds: linear tetrahedra of the default size and
-/// surfaces drawn from voxels. Measured, not assumed: the ten phantoms of scripts/phantom_study.py,
+/// surfaces drawn from voxels. Set from the errors of the ten phantoms of scripts/phantom_study.py,
 /// whose truth is solved on a five times finer mesh, err by 0.12 (root mean square), of which noise
 /// explains about 0.06.
 constexpr double model_sd_ln = 0.10;

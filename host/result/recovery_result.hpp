@@ -75,10 +75,11 @@ struct RecoveryResult {
     std::vector<std::pair<std::string, double>> timings_s;  ///< stages in order; total is added
     std::vector<std::string> warnings;
 
-    // Volumes on the reference grid.
-    LabelImage reference_labels;
-    LabelImage target_labels_aligned;  ///< resampled to the reference grid, nearest neighbour
-    LabelImage warped_labels;          ///< reference labels carried by the displacement
+    // Volumes on the target's grid.
+    LabelImage reference_labels;             ///< carried there by the alignment alone
+    LabelImage target_labels_aligned;        ///< the target as it was read
+    LabelImage warped_labels;                ///< reference labels carried by the displacement
+    // On the reference grid.
     Image<Vec3> displacement_field;    ///< mm, LPS, reference to target (alignment included)
 };
 
