@@ -76,11 +76,11 @@ struct RecoveryResult {
     std::vector<std::string> warnings;
 
     // Volumes on the target's grid.
-    LabelImage reference_labels;             ///< carried there by the alignment alone
-    LabelImage target_labels_aligned;        ///< the target as it was read
-    LabelImage warped_labels;                ///< reference labels carried by the displacement
+    LabelImage reference_labels;       ///< carried there by the alignment alone
+    LabelImage target_labels_aligned;  ///< the target as it was read
+    LabelImage warped_labels;          ///< reference labels carried by the displacement
     // On the reference grid.
-    Image<Vec3> displacement_field;    ///< mm, LPS, reference to target (alignment included)
+    Image<Vec3> displacement_field;  ///< mm, LPS, reference to target (alignment included)
 };
 
 }  // namespace palpate
