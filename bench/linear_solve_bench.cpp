@@ -27,6 +27,7 @@ void linear_solve(benchmark::State& state, const std::string& backend) {
     const Model model = fixtures::two_tissue_model({cubes, cubes, cubes});
     LinearSolverOptions options;
     options.backend = backend;
+    options.method = backend == "reference" ? LinearMethod::direct : LinearMethod::jacobi;
     LinearSolverSummary summary;
     try {
         const auto solver = make_linear_solver(model, options);
@@ -55,6 +56,7 @@ void linear_setup(benchmark::State& state, const std::string& backend) {
     const Model model = fixtures::two_tissue_model({cubes, cubes, cubes});
     LinearSolverOptions options;
     options.backend = backend;
+    options.method = backend == "reference" ? LinearMethod::direct : LinearMethod::jacobi;
     try {
         for (auto _ : state) benchmark::DoNotOptimize(make_linear_solver(model, options));
     } catch (const Error& error) {
