@@ -6,11 +6,13 @@
 
 #include "solver/linear/block_cg.hpp"
 #include "solver/linear/direct.hpp"
+#include "solver/linear/sparse_factor.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/meshes.hpp"
 
-// One body for every linear solver: direct, and block CG on every back end of the registry.
+// One body for every linear solver: every direct library, and block CG on every back end of the
+// registry.
 namespace palpate {
 namespace {
 
@@ -19,21 +21,24 @@ using fixtures::random_columns;
 
 struct Case {
     std::string name;
+    std::string direct_library;  ///< empty: block CG on `backend`
     std::string backend;
-    Precision precision;
-    Product product;
+    Precision precision = Precision::double_;
+    Product product = Product::assembled;
 };
 
 std::vector<Case> every_case() {
-    std::vector<Case> cases = {{"direct", "", Precision::double_, Product::assembled}};
+    std::vector<Case> cases;
+    for (const std::string& library : sparse_factor_names())
+        cases.push_back({"direct_" + library, library, ""});
     for (const std::string& backend : fixtures::backend_names())
         for (Product product : {Product::assembled, Product::matrix_free}) {
             const std::string tail = product == Product::assembled ? "_assembled" : "_matrix_free";
             cases.push_back(
-                {"cg_" + backend + "_double" + tail, backend, Precision::double_, product});
+                {"cg_" + backend + "_double" + tail, "", backend, Precision::double_, product});
             if (backend != "reference")
                 cases.push_back(
-                    {"cg_" + backend + "_single" + tail, backend, Precision::single, product});
+                    {"cg_" + backend + "_single" + tail, "", backend, Precision::single, product});
         }
     return cases;
 }
@@ -43,7 +48,7 @@ constexpr double answer_tolerance = 1e-6;  ///< residual 1e-8 times the conditio
 class LinearSolverContract : public testing::TestWithParam<Case> {
 protected:
     void SetUp() override {
-        if (GetParam().backend.empty()) return;
+        if (!GetParam().direct_library.empty()) return;
         if (const auto reason = fixtures::reason_to_skip(GetParam().backend, device_options()))
             GTEST_SKIP() << *reason;
     }
@@ -54,13 +59,15 @@ protected:
 
     static std::unique_ptr<LinearSolver> make(const Model& model,
                                               LinearSolverOptions options = {}) {
-        if (GetParam().backend.empty()) return make_direct_solver(model, options);
+        options.direct_library = GetParam().direct_library;
+        if (!options.direct_library.empty()) return make_direct_solver(model, options);
         return make_block_cg_solver(model, make_backend(GetParam().backend, device_options()),
                                     options);
     }
 
     static Columns exact(const Model& model, const Columns& b) {
         LinearSolverOptions options;
+        options.direct_library = "eigen";
         options.relative_tolerance = 1e-13;
         Columns x;
         make_direct_solver(model, options)->solve(b, x);
