@@ -22,8 +22,9 @@ void add_solver_options(CLI::App& command, SolverArguments& arguments) {
         ->capture_default_str();
     command
         .add_option("--product", arguments.product,
-                    "Stiffness product on the device: assembled or matrix-free")
-        ->check(CLI::IsMember({"assembled", "matrix-free"}))
+                    "Stiffness product on the device: assembled, matrix-free (stored gradients), "
+                    "recomputed (from node positions), or auto: the fastest, measured at first use")
+        ->check(CLI::IsMember({"auto", "assembled", "matrix-free", "recomputed"}))
         ->capture_default_str();
 }
 
@@ -51,8 +52,9 @@ LinearSolverOptions solver_options(const SolverArguments& arguments) {
     options.device.device = arguments.device;
     options.device.precision =
         arguments.precision == "double" ? Precision::double_ : Precision::single;
-    options.device.product =
-        arguments.product == "assembled" ? Product::assembled : Product::matrix_free;
+    for (Product product :
+         {Product::automatic, Product::assembled, Product::matrix_free, Product::recomputed})
+        if (name_of(product) == arguments.product) options.device.product = product;
     make_backend(options.backend, options.device);  // a missing device is told before any work
     return options;
 }

@@ -16,7 +16,7 @@ struct SolverArguments {
     std::string backend = "auto";
     std::string device;
     std::string precision = "single";
-    std::string product = "assembled";
+    std::string product = "auto";
 };
 
 struct MesherArguments {

@@ -98,8 +98,9 @@ PALPATE_ALWAYS_INLINE void prolongation_product_of(const BlockMatrix& a, const B
             const double* block = a.blocks.data() + static_cast<std::size_t>(k) * B * B;
             const Index other = a.graph.items[k];
             for (Index q = p.graph.offsets[other]; q < p.graph.offsets[other + 1]; ++q)
-                add_product<B, B>(1.0, block, p.blocks.data() + size * q,
-                                  c.blocks.data() + size * find_entry(c.graph, n, p.graph.items[q]));
+                add_product<B, B>(
+                    1.0, block, p.blocks.data() + size * q,
+                    c.blocks.data() + size * find_entry(c.graph, n, p.graph.items[q]));
         }
     }
 }

@@ -21,7 +21,7 @@ constexpr int num_modes = 6;
 constexpr int lanczos_steps = 12;
 constexpr double eigenvalue_margin = 1.05;  ///< Ritz values of few steps come from below
 constexpr double damping = 4.0 / 3.0;       ///< omega of the smoothed prolongation, over lambda_max
-constexpr double smallest_mode = 1e-6;  ///< share of a mode that must survive orthogonalisation
+constexpr double smallest_mode = 1e-6;      ///< share of a mode that must survive orthogonalisation
 constexpr double slowest_coarsening = 0.8;  ///< nodes of a level over nodes of the finer one
 
 template <int B>
@@ -53,8 +53,8 @@ void invert_diagonal_of(const BlockMatrix& matrix, Index first, Index last,
     for (Index n = first; n < last; ++n) {
         const auto begin = matrix.graph.items.begin() + matrix.graph.offsets[n];
         const auto end = matrix.graph.items.begin() + matrix.graph.offsets[n + 1];
-        const Index k = static_cast<Index>(std::lower_bound(begin, end, n) -
-                                           matrix.graph.items.begin());
+        const Index k =
+            static_cast<Index>(std::lower_bound(begin, end, n) - matrix.graph.items.begin());
         Block<B> block = Eigen::Map<const Block<B>>(matrix.block(k));
         for (int i = 0; i < B; ++i)
             if ((!held.empty() && held[static_cast<std::size_t>(n) * B + i]) || block(i, i) <= 0) {
@@ -81,8 +81,8 @@ double largest_eigenvalue(const BlockMatrix& matrix, std::span<const double> inv
     const auto scale = [&](const Eigen::VectorXd& in, Eigen::VectorXd& out) {
         for (Index n = 0; n < matrix.num_rows(); ++n)
             out.segment(n * b, b).noalias() =
-                Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
-                                               Eigen::RowMajor>>(
+                Eigen::Map<
+                    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
                     inverse_diagonal.data() + static_cast<std::size_t>(n) * b * b, b, b)
                     .lazyProduct(in.segment(n * b, b));
     };
@@ -259,18 +259,18 @@ BlockMatrix lay_out_coarse_matrix(const Adjacency& graph, int b, MultigridLevel&
         return std::span<const Index>(&of_node[node], of_node[node] < 0 ? 0 : 1);
     };
     const auto has_aggregate = [&](Index node) { return of_node[node] >= 0; };
-    level.prolongation =
-        empty_matrix(union_of_lists(graph, count, has_aggregate, aggregate_of), count, b, num_modes);
+    level.prolongation = empty_matrix(union_of_lists(graph, count, has_aggregate, aggregate_of),
+                                      count, b, num_modes);
     const Adjacency& p = level.prolongation.graph;
-    level.product =
-        empty_matrix(union_of_lists(graph, count, has_aggregate, [&](Index n) { return list(p, n); }),
-                     count, b, num_modes);
+    level.product = empty_matrix(
+        union_of_lists(graph, count, has_aggregate, [&](Index n) { return list(p, n); }), count, b,
+        num_modes);
     transpose_pattern(level.prolongation, level.members, level.member_entries);
     const Adjacency& c = level.product.graph;
-    return empty_matrix(union_of_lists(
-                            level.members, count, [](Index) { return true; },
-                            [&](Index n) { return list(c, n); }),
-                        count, num_modes, num_modes);
+    return empty_matrix(
+        union_of_lists(
+            level.members, count, [](Index) { return true; }, [&](Index n) { return list(c, n); }),
+        count, num_modes, num_modes);
 }
 
 /// Modes that an aggregate lacks (too few nodes) have zero rows: they stand still.
@@ -289,9 +289,9 @@ Eigen::MatrixXd dense(const BlockMatrix& matrix) {
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(matrix.num_rows() * b, matrix.num_rows() * b);
     for (Index n = 0; n < matrix.num_rows(); ++n)
         for (Index k = matrix.graph.offsets[n]; k < matrix.graph.offsets[n + 1]; ++k)
-            result.block(n * b, matrix.graph.items[k] * b, b, b) =
-                Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
-                                               Eigen::RowMajor>>(matrix.block(k), b, b);
+            result.block(n * b, matrix.graph.items[k] * b, b, b) = Eigen::Map<
+                const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+                matrix.block(k), b, b);
     return result;
 }
 
@@ -396,8 +396,8 @@ BlockMatrix transposed(const BlockMatrix& matrix) {
     Adjacency rows;
     std::vector<Index> entries;
     transpose_pattern(matrix, rows, entries);
-    BlockMatrix result = empty_matrix(std::move(rows), matrix.num_rows(), matrix.block_columns,
-                                      matrix.block_rows);
+    BlockMatrix result =
+        empty_matrix(std::move(rows), matrix.num_rows(), matrix.block_columns, matrix.block_rows);
     for (std::size_t k = 0; k < entries.size(); ++k) {
         const double* from = matrix.block(entries[k]);
         double* to = result.block(static_cast<Index>(k));
