@@ -69,8 +69,8 @@ void read_array(std::ifstream& file, Value* values, std::size_t count) {
 BenchMesh make_box() {
     BenchMesh box{"box", fixtures::two_tissue_model({5, 5, 5}), {}};
     Model& model = box.model;
-    const auto top = fixtures::select_nodes(model.mesh,
-                                            [](const Vec3& p) { return p.z() > 50 - 1e-9; });
+    const auto top =
+        fixtures::select_nodes(model.mesh, [](const Vec3& p) { return p.z() > 50 - 1e-9; });
     fixtures::prescribe(model, top);
     box.prescribed_mm = Columns::Zero(model.num_dofs(), 1);
     for (Index n : top) box.prescribed_mm(3 * n + 2, 0) = 2.0;

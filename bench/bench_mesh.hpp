@@ -12,7 +12,7 @@ namespace palpate::bench {
 
 /// What a benchmark solves: a model and the displacement of its prescribed dofs.
 struct BenchMesh {
-    std::string name;       ///< "pelvis_18k"
+    std::string name;  ///< "pelvis_18k"
     Model model;
     Columns prescribed_mm;  ///< [num_dofs, 1], 0 at free dofs
 };

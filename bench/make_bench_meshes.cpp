@@ -19,7 +19,7 @@ struct Size {
     Index num_nodes;  ///< asked for, so that about that many come
 };
 constexpr Size sizes[] = {
-    {"pelvis_18k", 6000}, {"pelvis_90k", 30000}, {"pelvis_300k", 100000}, {"pelvis_1M", 333333}};
+    {"pelvis_18k", 5300}, {"pelvis_90k", 30000}, {"pelvis_300k", 100000}, {"pelvis_1M", 333333}};
 
 void write_size(const Size& size, const std::filesystem::path& folder) {
     PelvisOptions options;
