@@ -65,9 +65,8 @@ void add_tet_forces(const Model& model, Index t, Index first, Index last, const 
         for (int i = 0; i < 4; ++i)
             for (int a = 0; a < 3; ++a) corners(a, i) = u(3 * tet[i] + a, c);
         const Mat3 gradient = corners * gradients.transpose();
-        const Mat3 stress =
-            scale * (material.unit_lambda() * gradient.trace() * Mat3::Identity() +
-                     material.unit_mu() * (gradient + gradient.transpose()));
+        const Mat3 stress = scale * (material.unit_lambda() * gradient.trace() * Mat3::Identity() +
+                                     material.unit_mu() * (gradient + gradient.transpose()));
         const Eigen::Matrix<double, 3, 4> forces = stress * gradients;
         for (int i = 0; i < 4; ++i)
             for (int a = 0; a < 3; ++a) f(3 * tet[i] + a, c) += forces(a, i);

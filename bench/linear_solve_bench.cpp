@@ -18,10 +18,12 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "bench/contenders.hpp"
 #include "bench/peers/peer.hpp"
@@ -151,6 +153,14 @@ public:
     void ReportRuns(const std::vector<Run>&) override {}
 };
 
+/// Leaves the file of results to the first process.
+void drop_output_file(int& argc, char** argv) {
+    const auto names_output = [](const char* argument) {
+        return std::string_view(argument).starts_with("--benchmark_out");
+    };
+    argc = static_cast<int>(std::remove_if(argv + 1, argv + argc, names_output) - argv);
+}
+
 }  // namespace
 }  // namespace palpate::bench
 
@@ -159,12 +169,13 @@ int main(int argc, char** argv) {
     const std::filesystem::path folder = take_mesh_folder(argc, argv);
     limit_memory_from_environment();
     const ParallelRun run = parallel_run();
+    if (run.rank > 0) drop_output_file(argc, argv);
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     add_all(folder, run);
     SilentReporter silent;
     if (run.rank > 0)
-        benchmark::RunSpecifiedBenchmarks(&silent, &silent);
+        benchmark::RunSpecifiedBenchmarks(&silent);
     else
         benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();

@@ -60,10 +60,10 @@ public:
     }
 
     std::string describe() const override {
-        const char* ordering = common_.selected >= 0 &&
-                                       common_.method[common_.selected].ordering == CHOLMOD_METIS
-                                   ? "METIS"
-                                   : "AMD";
+        const char* ordering =
+            common_.selected >= 0 && common_.method[common_.selected].ordering == CHOLMOD_METIS
+                ? "METIS"
+                : "AMD";
         return "CHOLMOD " + std::to_string(CHOLMOD_MAIN_VERSION) + "." +
                std::to_string(CHOLMOD_SUB_VERSION) + "." + std::to_string(CHOLMOD_SUBSUB_VERSION) +
                " supernodal, " + ordering + ", BLAS " +
@@ -71,7 +71,8 @@ public:
     }
 
 private:
-    /// The matrix is symmetric: its rows from the diagonal on are the columns of the lower triangle.
+    /// The matrix is symmetric: its rows from the diagonal on are the columns of the lower
+    /// triangle.
     static void copy_lower(const FreeMatrix& matrix, cholmod_sparse& lower) {
         int* offset = static_cast<int*>(lower.p);
         int* row = static_cast<int*>(lower.i);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-// PETSc's conjugate gradients with its usual preconditioners. PETSc shares work among processes, not
-// threads: `mpirun -n 2 linear_solve_bench` gives it both cores. Further options of PETSc are read
-// from the environment variable PETSC_OPTIONS.
+// PETSc's conjugate gradients with its usual preconditioners. PETSc shares work among processes,
+// not threads: `mpirun -n 2 linear_solve_bench` gives it both cores. Further options of PETSc are
+// read from the environment variable PETSC_OPTIONS.
 #include <petscksp.h>
 
 #include <algorithm>
@@ -36,9 +36,7 @@ public:
     static void start() { static const PetscProgram program; }
 };
 
-bool is_under_mpirun() {
-    return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE");
-}
+bool is_under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE"); }
 
 class PetscCg final : public Peer {
 public:
@@ -178,8 +176,8 @@ std::vector<PeerEntry> petsc_peers() {
     // share of each process.
     std::vector<PeerEntry> entries;
     for (PCType type : {PCJACOBI, PCPBJACOBI, PCBJACOBI, PCGAMG})
-        entries.push_back({std::string("petsc_cg_") + type,
-                           [type] { return std::make_unique<PetscCg>(type); }});
+        entries.push_back(
+            {std::string("petsc_cg_") + type, [type] { return std::make_unique<PetscCg>(type); }});
     return entries;
 }
 
