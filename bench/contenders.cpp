@@ -13,7 +13,9 @@ class OurContender final : public Contender {
 public:
     OurContender(const LinearSolverOptions& options, const BenchMesh& mesh,
                  const LinearProblem& problem)
-        : options_(options), mesh_(mesh), problem_(problem) {}
+        : options_(options), mesh_(mesh), problem_(problem) {
+        options_.expected_columns = static_cast<Index>(problem.b.cols());
+    }
 
     void set_up() override { solver_ = make_linear_solver(mesh_.model, options_); }
 
@@ -30,8 +32,10 @@ public:
     Columns answer() const override { return x_; }
 
     std::string describe() const override {
-        const BackendInfo info = solver_->describe();
-        return info.device + ", " + (info.precision == Precision::single ? "fp32" : "fp64");
+        const LinearSolverInfo info = solver_->describe();
+        return std::string(name_of(info.method)) + " (" + info.reason + "), " +
+               (info.library.empty() ? info.device.device : info.library) + ", " +
+               (info.device.precision == Precision::single ? "fp32" : "fp64");
     }
 
 private:
@@ -74,19 +78,30 @@ private:
 struct OurEntry {
     std::string name;
     LinearSolverOptions options;
-    Index most_dofs = 0;
+    Index most_dofs = 0;  ///< 0: any number
 };
 
-/// Every way of ours to solve, one line each.
+LinearSolverOptions options_for(const std::string& backend, LinearMethod method) {
+    LinearSolverOptions options;
+    options.backend = backend;
+    options.method = method;
+    options.relative_tolerance = relative_tolerance;
+    return options;
+}
+
+/// Every way of ours to solve. The direct solver works on the host, whatever the back end.
 std::vector<OurEntry> our_entries() {
+    constexpr Index most_dofs_direct = 100000;  // Eigen's factorisation takes minutes above
     std::vector<OurEntry> entries;
     for (const BackendEntry& backend : backend_registry()) {
-        LinearSolverOptions options;
-        options.backend = backend.name;
-        options.relative_tolerance = relative_tolerance;
-        const bool is_reference = backend.name == "reference";  // an LDLT without supernodes
-        entries.push_back({"palpate_" + backend.name, options, is_reference ? 30000 : 0});
+        if (backend.name == "reference") continue;
+        for (LinearMethod method :
+             {LinearMethod::automatic, LinearMethod::multigrid, LinearMethod::jacobi})
+            entries.push_back({"palpate_" + backend.name + "_" + name_of(method),
+                               options_for(backend.name, method)});
     }
+    entries.push_back(
+        {"palpate_direct", options_for("reference", LinearMethod::direct), most_dofs_direct});
     return entries;
 }
 

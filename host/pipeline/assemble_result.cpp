@@ -221,7 +221,7 @@ RecoveryResult assemble_result(const Recovered& found, const RegionImage& refere
     result.convergence = found.estimate.records;
     result.alignment = found.alignment;
     result.termination = found.estimate.termination;
-    result.device = found.device;
+    result.device = found.solver.device;
     result.full_model_residual = found.relative_residual;
     result.warnings = found.warnings;
     add_volumes(found, reference, reference_field, target, settings, result);

@@ -26,12 +26,12 @@ struct Recovered {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
     Eigen::VectorXd force;         ///< [3 num_nodes] mN, reactions at prescribed nodes
     double relative_residual = 0;
-    BackendInfo device;
+    LinearSolverInfo solver;
     std::vector<std::string> warnings;
 };
 
 /// Writes the estimated moduli into the model, solves the uncondensed equilibrium with the
-/// estimated wall motion on the device, and takes the forces as reactions, f = K u. Throws
+/// estimated wall motion, and takes the forces as reactions, f = K u. Throws
 /// Error(solve_failed) if the solve misses its tolerance or leaves the condensed solution.
 void solve_full_model(Recovered& found, const LinearSolverOptions& options,
                       const ProgressSink& progress);

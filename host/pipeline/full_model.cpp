@@ -81,7 +81,7 @@ void solve_full_model(Recovered& found, const LinearSolverOptions& options,
     }
     found.displacement = solution.col(0);
     found.relative_residual = summary.relative_residual;
-    found.device = solver->describe();
+    found.solver = solver->describe();
     found.force = reactions(model, found.displacement);
     check_against_condensed(found);
 }

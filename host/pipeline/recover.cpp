@@ -266,6 +266,7 @@ RecoveryResult recover(const RecoverOptions& options, const ProgressSink& progre
     timer.stop();
     result.reference_name = options.reference.filename().string();
     result.target_name = options.target.filename().string();
+    result.linear_solvers = {{"condensing", condensation.solver}, {"solving", found.solver}};
     result.timings_s = timer.times_s();
     return result;
 }

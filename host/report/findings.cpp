@@ -100,6 +100,16 @@ std::string termination_sentence(const RecoveryResult& result) {
                        t.reason.empty() ? "" : ": ", t.reason.empty() ? "." : t.reason + ".");
 }
 
+std::string linear_solvers_text(const RecoveryResult& result) {
+    std::string text;
+    for (const auto& [stage, solver] : result.linear_solvers)
+        text +=
+            fmt::format("{}{}: {}{} on {} ({})", text.empty() ? "" : "; ", stage,
+                        name_of(solver.method), solver.library.empty() ? "" : ", " + solver.library,
+                        solver.device.device, solver.reason);
+    return text;
+}
+
 std::vector<std::string> summary_sentences(const RecoveryResult& result) {
     std::vector<std::string> list;
     for (const RegionResult& r : result.regions)

@@ -28,7 +28,9 @@ std::string finding_sentence(const RecoveryResult& result, const RegionResult& r
 std::string surfaces_sentence(const RecoveryResult& result);
 /// Whether the search converged, in one sentence.
 std::string termination_sentence(const RecoveryResult& result);
-/// All of the above in order.
+/// Which linear solver each stage used, where and why, in one line; empty if nobody says.
+std::string linear_solvers_text(const RecoveryResult& result);
+/// What was found, how well the surfaces agree and whether the search converged, in that order.
 std::vector<std::string> summary_sentences(const RecoveryResult& result);
 
 }  // namespace palpate

@@ -211,6 +211,7 @@ std::string details_html(const RecoveryResult& result) {
                                     grid.size[1], grid.size[2], significant(grid.spacing[0]),
                                     significant(grid.spacing[1]), significant(grid.spacing[2]))},
                {"Computed by", device_text(result.device)},
+               {"Linear solvers", linear_solvers_text(result)},
                {"Note", result.seed_note}});
     return out + "</div><div>" + timings_table(result) + "</div></div>";
 }

@@ -130,6 +130,17 @@ Json device_json(const BackendInfo& d) {
             {"compute_units", d.compute_units}};
 }
 
+Json linear_solvers_json(const RecoveryResult& result) {
+    Json stages = Json::object();
+    for (const auto& [stage, solver] : result.linear_solvers)
+        stages[stage] = {{"method", name_of(solver.method)},
+                         {"library", solver.library},
+                         {"backend", solver.device.backend},
+                         {"device", solver.device.device},
+                         {"reason", solver.reason}};
+    return stages;
+}
+
 Json organ_json(const OrganSettings& o) {
     Json json{
         {"name", o.name}, {"label", o.label}, {"role", name_of(o.role)}, {"hollow", o.hollow}};
@@ -186,6 +197,7 @@ std::string json_report(const RecoveryResult& result, bool include_file_names) {
     json["full_model_residual"] = number(result.full_model_residual);
     json["timings_s"] = timings_json(result);
     json["device"] = device_json(result.device);
+    json["linear_solver"] = linear_solvers_json(result);
     json["settings"] = settings_json(result.settings);
     if (!result.seed_note.empty()) json["seed_note"] = result.seed_note;
     json["warnings"] = result.warnings;

@@ -113,6 +113,8 @@ std::string text_report(const RecoveryResult& result) {
     out += '\n';
     for (const std::string& warning : result.warnings)
         out += "Warning: " + harmless(warning) + '\n';
+    if (const std::string solvers = linear_solvers_text(result); !solvers.empty())
+        out += "Linear solvers, " + harmless(solvers) + '\n';
     return out + harmless(termination_sentence(result)) + '\n';
 }
 

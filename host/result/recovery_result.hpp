@@ -14,7 +14,7 @@
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/settings.hpp"
 #include "host/surfaces/surface.hpp"
-#include "solver/backend/backend.hpp"
+#include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
 
@@ -70,7 +70,8 @@ struct RecoveryResult {
     AlignmentResult alignment;
     Termination termination;
     MesherSummary mesher;
-    BackendInfo device;
+    BackendInfo device;                                                    ///< of the final solve
+    std::vector<std::pair<std::string, LinearSolverInfo>> linear_solvers;  ///< by stage
     double full_model_residual = 0;  ///< relative residual of the final solve, fp64 on host
     std::vector<std::pair<std::string, double>> timings_s;  ///< stages in order; total is added
     std::vector<std::string> warnings;

@@ -32,6 +32,7 @@ struct BackendInfo {
     Precision precision = Precision::double_;
     Product product = Product::assembled;
     int compute_units = 0;
+    std::string type = "host";  ///< "CPU", "GPU" or "accelerator" where a driver says so
 };
 
 /// The operations that conjugate gradients, the adjoint and condensation are written on. One object

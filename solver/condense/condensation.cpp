@@ -176,8 +176,14 @@ public:
     void run(SubModel& sub) {
         const StiffnessMatrix stiffness = assemble_stiffness(sub.model);
         require_held(sub, stiffness.graph);
-        const auto solver = make_linear_solver(sub.model, options_);
         const Index num_columns = 3 * static_cast<Index>(sub.observed_nodes.size());
+        LinearSolverOptions options = options_;
+        options.expected_columns = num_columns;
+        const auto solver = make_linear_solver(sub.model, options);
+        if (num_columns > most_columns_) {
+            most_columns_ = num_columns;
+            summary.solver = solver->describe();
+        }
         sub.block.observed_observed.resize(num_columns, num_columns);
         sub.block.observed_driven.resize(num_columns, 3 * sub.driven_nodes.size());
         for (Index first = 0; first < num_columns; first += columns_per_call) {
@@ -228,6 +234,7 @@ private:
     const LinearSolverOptions& options_;
     const ProgressSink& progress_;
     Index total_columns_;
+    Index most_columns_ = 0;  ///< of the regions so far
 };
 
 }  // namespace

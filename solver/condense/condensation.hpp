@@ -23,6 +23,7 @@ struct CondensedRegion {
 
 struct CondensationSummary {
     LinearSolverSummary linear;  ///< summed over the regions
+    LinearSolverInfo solver;     ///< of the region with the most columns
     Index columns = 0;           ///< right-hand sides solved
     double seconds = 0;
 };
@@ -31,8 +32,8 @@ struct CondensationSummary {
 ///   observed, driven   node numbers, disjoint. Nodes in neither list whose dofs are not prescribed
 ///   in `model` are interior. Prescribed dofs have zero displacement.
 /// Each region's interior problem K_ii x = -K_ib is solved on the region's own sub-mesh with the
-/// given linear solver, all columns in batches: the adjoint sensitivity columns of the inverse
-/// problem. Throws Error(solve_failed) if a column misses the tolerance.
+/// given linear solver, which is told their number, all columns in batches: the adjoint sensitivity
+/// columns of the inverse problem. Throws Error(solve_failed) if a column misses the tolerance.
 std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
                                       const std::vector<Index>& driven,
                                       const LinearSolverOptions& options,

@@ -100,12 +100,17 @@ namespace {
 class BlockCgSolver final : public LinearSolver {
 public:
     BlockCgSolver(const Model& model, std::unique_ptr<Backend> backend,
-                  const LinearSolverOptions& options)
-        : options_(options), system_(model), backend_(std::move(backend)) {
+                  const LinearSolverOptions& options, std::string reason)
+        : options_(options),
+          reason_(std::move(reason)),
+          system_(model),
+          backend_(std::move(backend)) {
         backend_->prepare(system_.model());
     }
 
-    BackendInfo describe() const override { return backend_->describe(); }
+    LinearSolverInfo describe() const override {
+        return {backend_->describe(), LinearMethod::jacobi, "", reason_};
+    }
 
     void set_stiffness(std::span<const double> stiffness_kpa) override {
         system_.set_stiffness(stiffness_kpa);
@@ -122,6 +127,7 @@ private:
                 LinearSolverSummary& summary);
 
     LinearSolverOptions options_;
+    std::string reason_;
     ConstrainedSystem system_;
     std::unique_ptr<Backend> backend_;
     std::unique_ptr<BlockCg> cg_;
@@ -251,8 +257,9 @@ void BlockCgSolver::refine(const Columns& r, const std::vector<double>& norm,
 
 std::unique_ptr<LinearSolver> make_block_cg_solver(const Model& model,
                                                    std::unique_ptr<Backend> backend,
-                                                   const LinearSolverOptions& options) {
-    return std::make_unique<BlockCgSolver>(model, std::move(backend), options);
+                                                   const LinearSolverOptions& options,
+                                                   std::string reason) {
+    return std::make_unique<BlockCgSolver>(model, std::move(backend), options, std::move(reason));
 }
 
 }  // namespace palpate

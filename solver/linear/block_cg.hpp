@@ -34,6 +34,7 @@ private:
 /// Algorithms, 2002, chapter 12), whatever the precision of the device.
 std::unique_ptr<LinearSolver> make_block_cg_solver(const Model& model,
                                                    std::unique_ptr<Backend> backend,
-                                                   const LinearSolverOptions& options);
+                                                   const LinearSolverOptions& options,
+                                                   std::string reason = "asked for");
 
 }  // namespace palpate

@@ -94,20 +94,23 @@ Sparse free_stiffness(const StiffnessMatrix& stiffness, const std::vector<Index>
 
 class DirectSolver final : public LinearSolver {
 public:
-    DirectSolver(const Model& model, const LinearSolverOptions& options)
-        : options_(options), system_(model), number_(number_free_dofs(system_, num_free_)) {
+    DirectSolver(const Model& model, const LinearSolverOptions& options, std::string reason)
+        : options_(options),
+          reason_(std::move(reason)),
+          system_(model),
+          number_(number_free_dofs(system_, num_free_)) {
         factorise();
     }
 
-    BackendInfo describe() const override {
-        BackendInfo info;
-        info.backend = "reference";
-        info.device = "host";
-        info.version = "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
+    LinearSolverInfo describe() const override {
+        BackendInfo host;
+        host.backend = "reference";
+        host.device = "host";
+        host.compute_units = num_host_threads();
+        host.version = "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
                        std::to_string(EIGEN_MAJOR_VERSION) + "." +
                        std::to_string(EIGEN_MINOR_VERSION);
-        info.compute_units = num_host_threads();
-        return info;
+        return {host, LinearMethod::direct, host.version + " LDLT", reason_};
     }
 
     void set_stiffness(std::span<const double> stiffness_kpa) override {
@@ -217,6 +220,7 @@ private:
     }
 
     LinearSolverOptions options_;
+    std::string reason_;
     ConstrainedSystem system_;
     Index num_free_ = 0;
     std::vector<Index> number_;  ///< [num_dofs], number among the free dofs, or -1
@@ -227,8 +231,9 @@ private:
 }  // namespace
 
 std::unique_ptr<LinearSolver> make_direct_solver(const Model& model,
-                                                 const LinearSolverOptions& options) {
-    return std::make_unique<DirectSolver>(model, options);
+                                                 const LinearSolverOptions& options,
+                                                 std::string reason) {
+    return std::make_unique<DirectSolver>(model, options, std::move(reason));
 }
 
 }  // namespace palpate

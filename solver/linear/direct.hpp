@@ -12,6 +12,7 @@ namespace palpate {
 /// degree ordering) and solves all columns in batches shared among the host threads, fp64.
 /// Throws Error(solve_failed) if the free dofs are not held against rigid motion.
 std::unique_ptr<LinearSolver> make_direct_solver(const Model& model,
-                                                 const LinearSolverOptions& options);
+                                                 const LinearSolverOptions& options,
+                                                 std::string reason = "asked for");
 
 }  // namespace palpate

@@ -15,9 +15,22 @@ namespace palpate {
 /// Dense columns on the host, [rows, columns], column index fastest like `DeviceVector`.
 using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// How K x = b is solved.
+enum class LinearMethod {
+    automatic,  ///< by size, number of columns and device (choose_method.hpp)
+    multigrid,  ///< conjugate gradients, preconditioned by multigrid: large models
+    jacobi,     ///< conjugate gradients, preconditioned by the 3x3 diagonal blocks: few columns
+    direct,     ///< one factorisation per set of moduli, on the host: many columns, small models
+};
+/// "auto", "multigrid", "jacobi", "direct".
+const char* name_of(LinearMethod method);
+
 struct LinearSolverOptions {
-    std::string backend = "opencl";  ///< "reference" solves directly, others by block CG
+    std::string backend = "opencl";  ///< where conjugate gradients run; `direct` needs none
     BackendOptions device;
+    LinearMethod method = LinearMethod::automatic;
+    Index expected_columns = 1;        ///< right-hand sides to be solved per set of moduli: what
+                                       ///< `automatic` weighs the set-up against
     double relative_tolerance = 1e-8;  ///< on |b - K x| / |b|, per column, checked in fp64
     int max_iterations = 20000;        ///< of CG, per refinement step
     int max_refinements = 12;          ///< fp64 refinement steps round the device solve
@@ -33,6 +46,14 @@ struct LinearSolverSummary {
     std::string message;
 };
 
+/// Who solves, how, and why so: written into every result.
+struct LinearSolverInfo {
+    BackendInfo device;
+    LinearMethod method = LinearMethod::automatic;
+    std::string library;  ///< of a direct solver, with its version; else empty
+    std::string reason;   ///< one clause: why this method
+};
+
 /// Solves K x = b for the constrained K of one model (identity at prescribed dofs), any number of
 /// columns. b holds nodal forces (mN) at free dofs and the prescribed displacement (mm) at
 /// prescribed dofs.
@@ -44,11 +65,12 @@ public:
     virtual LinearSolverSummary solve(const Columns& b, Columns& x,
                                       const ProgressSink& progress = {}) = 0;
     virtual void set_stiffness(std::span<const double> stiffness_kpa) = 0;
-    virtual BackendInfo describe() const = 0;
+    virtual LinearSolverInfo describe() const = 0;
 };
 
-/// Builds the solver for `model` (copied): direct (Eigen LDLT) for "reference", block-Jacobi
-/// conjugate gradients with fp64 refinement on any other back end.
+/// Builds the solver for `model` (copied) that `choose_method` picks: a factorisation on the host,
+/// or conjugate gradients with fp64 refinement on `options.backend`.
+/// Throws Error(unsupported) for a method or back end that this build does not have.
 std::unique_ptr<LinearSolver> make_linear_solver(const Model& model,
                                                  const LinearSolverOptions& options);
 

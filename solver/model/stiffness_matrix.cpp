@@ -63,7 +63,9 @@ void multiply_row(const Index* items, const double* blocks, Index count, const d
 }  // namespace
 
 StiffnessMatrix assemble_stiffness(const Model& model) {
-    StiffnessMatrix matrix{node_graph(model.mesh), {}};
+    StiffnessMatrix matrix;
+    matrix.graph = node_graph(model.mesh);
+    matrix.num_columns = model.mesh.num_nodes();
     matrix.blocks.assign(9 * matrix.graph.items.size(), 0.0);
     const Adjacency corners = corners_of_nodes(model.mesh);
     const std::vector<Tet4> geometry = all_geometry(model.mesh);

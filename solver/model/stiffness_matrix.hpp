@@ -5,18 +5,15 @@
 #include <span>
 #include <vector>
 
-#include "solver/mesh/node_elements.hpp"
+#include "solver/model/block_matrix.hpp"
 #include "solver/model/model.hpp"
 
 namespace palpate {
 
-/// K(E) of a whole model on the host in fp64, without regard to prescribed dofs, as 3x3 block rows:
-/// the matrix of the direct solver, and the judge of every residual.
-struct StiffnessMatrix {
-    Adjacency graph;             ///< `node_graph` of the mesh
-    std::vector<double> blocks;  ///< [graph.items.size(), 3, 3] mN/mm, each block row by row
-
-    Index num_nodes() const { return graph.num_lists(); }
+/// K(E) of a whole model without regard to prescribed dofs, mN/mm, 3x3 blocks in the pattern of
+/// `node_graph`: the matrix of the direct solver, and the judge of every residual.
+struct StiffnessMatrix : BlockMatrix {
+    Index num_nodes() const { return num_rows(); }
 };
 
 StiffnessMatrix assemble_stiffness(const Model& model);

@@ -10,6 +10,7 @@
 
 #include "solver/linear/linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
+#include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 // A liver mesh with forces and displacements from another group's solver (data folder
@@ -104,8 +105,7 @@ TEST_P(KnownLiver, MovesAsTheOtherSolverSaysUnderTheListedForces) {
     for (std::size_t c = 0; c < frames.size(); ++c)
         for (Index n : liver.tool_nodes)
             b.block<3, 1>(3 * n, c) = liver.force.at(frames[c]) / liver.tool_nodes.size();
-    LinearSolverOptions options;
-    options.backend = GetParam();
+    LinearSolverOptions options = fixtures::solver_on(GetParam());
 
     const LinearSolverSummary summary = make_linear_solver(model, options)->solve(b, u);
 

@@ -7,6 +7,7 @@
 #include "solver/elements/tet4.hpp"
 #include "solver/linear/linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
+#include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate {
@@ -39,8 +40,7 @@ class PatchTest : public testing::TestWithParam<std::string> {};
 TEST_P(PatchTest, HasTheSameStrainEverywhereUnderAnAffineBoundaryDisplacement) {
     if (const auto reason = fixtures::reason_to_skip(GetParam())) GTEST_SKIP() << *reason;
     std::mt19937 random(11);
-    LinearSolverOptions options;
-    options.backend = GetParam();
+    LinearSolverOptions options = fixtures::solver_on(GetParam());
     options.relative_tolerance = 1e-10;
     const double tolerance = GetParam() == "reference" ? exact_tolerance : device_tolerance;
     const int num_meshes = GetParam() == "reference" ? 50 : 5;

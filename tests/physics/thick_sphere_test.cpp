@@ -4,6 +4,7 @@
 
 #include "solver/linear/linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
+#include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 // Thick-walled sphere under internal pressure p: Lame's solution (Timoshenko and Goodier, Theory of
@@ -74,8 +75,7 @@ class ThickSphere : public testing::TestWithParam<std::string> {};
 
 TEST_P(ThickSphere, ConvergesToLamesSolution) {
     if (const auto reason = fixtures::reason_to_skip(GetParam())) GTEST_SKIP() << *reason;
-    LinearSolverOptions options;
-    options.backend = GetParam();
+    LinearSolverOptions options = fixtures::solver_on(GetParam());
 
     const double coarse = error_of(6, 4, options);
     const double medium = error_of(12, 8, options);

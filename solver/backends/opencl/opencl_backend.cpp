@@ -104,6 +104,7 @@ BackendInfo OpenclBackend::describe() const {
     info.precision = session_.precision();
     info.product = product_;
     info.compute_units = device.compute_units;
+    info.type = device.type;
     return info;
 }
 

@@ -52,7 +52,8 @@ public:
                 .version = eigen_version(),
                 .precision = Precision::double_,
                 .product = product_,
-                .compute_units = 1};
+                .compute_units = 1,
+                .type = "host"};
     }
 
     void prepare(const Model& model) override {

@@ -71,6 +71,8 @@ TEST(HtmlReport, EscapesEveryTextFromOutside) {
     for (OrganSettings& o : result.settings.organs) o.name = evil;
     result.version = result.termination.reason = result.alignment.method = evil;
     result.device.backend = result.device.device = result.device.platform = evil;
+    for (auto& [stage, solver] : result.linear_solvers)
+        stage = solver.library = solver.reason = solver.device.device = evil;
     result.mesher.mesher = result.mesher.fallback = result.seed_note = evil;
     result.reference_name = result.target_name = evil;
     result.warnings = {evil};

@@ -40,6 +40,10 @@ TEST(JsonReport, HoldsTheFieldsThatProgramsReadByName) {
     EXPECT_NEAR(j["timings_s"]["total"], 84.7, 1e-9);
     EXPECT_NEAR(j["timings_s"]["meshing"], 6.3, 1e-12);
     EXPECT_EQ(j["device"]["backend"], "opencl");
+    EXPECT_EQ(j["linear_solver"]["condensing"]["method"], "direct");
+    EXPECT_EQ(j["linear_solver"]["condensing"]["library"], "Eigen 3.4.0 LDLT");
+    EXPECT_EQ(j["linear_solver"]["solving"]["backend"], "opencl");
+    EXPECT_EQ(j["linear_solver"]["solving"]["reason"], "asked for");
     EXPECT_EQ(j["settings"]["background"]["stiffness_kpa"], 10.0);
     EXPECT_EQ(j["settings"]["organ"][0]["stiffness_kpa"], "unknown");
     EXPECT_EQ(j["settings"]["organ"][2]["hollow"], true);

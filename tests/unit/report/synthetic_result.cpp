@@ -235,7 +235,17 @@ void add_search(RecoveryResult& r) {
                 "3.1",
                 Precision::single,
                 Product::assembled,
-                2};
+                2,
+                "CPU"};
+    BackendInfo host;
+    host.backend = "reference";
+    host.device = "host";
+    r.linear_solvers = {
+        {"condensing",
+         {host, LinearMethod::direct, "Eigen 3.4.0 LDLT",
+          "17,646 degrees of freedom and 3,402 columns: factorising once on the host is "
+          "cheapest"}},
+        {"solving", {r.device, LinearMethod::jacobi, "", "asked for"}}};
 }
 
 void add_settings(RecoveryResult& r) {

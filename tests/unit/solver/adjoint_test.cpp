@@ -6,6 +6,7 @@
 
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
+#include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate {
@@ -42,8 +43,7 @@ struct Problem {
     }
 
     std::unique_ptr<LinearSolver> solver(const std::string& backend) const {
-        LinearSolverOptions options;
-        options.backend = backend;
+        LinearSolverOptions options = fixtures::solver_on(backend);
         options.relative_tolerance = 1e-10;
         return make_linear_solver(model, options);
     }

@@ -10,6 +10,7 @@
 #include "solver/base/error.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
+#include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate {
@@ -31,12 +32,6 @@ struct Scene {
         select_nodes(model.mesh, [](const Vec3& p) { return p.z() > 59.9 && p.x() < 45; });
 };
 
-LinearSolverOptions options_for(const std::string& backend) {
-    LinearSolverOptions options;
-    options.backend = backend;
-    return options;
-}
-
 Eigen::VectorXd random_values(Index count, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> value(-1, 1);
@@ -51,7 +46,7 @@ Eigen::VectorXd full_answer(Model model, const Scene& scene, const Eigen::Vector
     Columns b = Columns::Zero(model.num_dofs(), 1), x;
     for (std::size_t i = 0; i < scene.driven.size(); ++i)
         for (Index c = 0; c < 3; ++c) b(3 * scene.driven[i] + c, 0) = driven[3 * i + c];
-    LinearSolverOptions options = options_for("reference");
+    LinearSolverOptions options = fixtures::solver_on("reference");
     options.relative_tolerance = 1e-13;
     make_linear_solver(model, options)->solve(b, x);
     Eigen::VectorXd observed(3 * scene.observed.size());
@@ -91,7 +86,7 @@ TEST_P(Condense, GivesTheAnswerOfTheFullModelAtRandomModuli) {
     const double tolerance = GetParam() == "reference" ? direct_tolerance : device_tolerance;
 
     const auto regions =
-        condense(scene.model, scene.observed, scene.driven, options_for(GetParam()));
+        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on(GetParam()));
 
     ASSERT_EQ(regions.size(), 2u);
     std::mt19937 random(5);
@@ -111,7 +106,7 @@ TEST_P(Condense, ReportsEveryColumnAndTheWorstResidual) {
     CondensationSummary summary;
     double last_fraction = 0;
 
-    condense(scene.model, scene.observed, scene.driven, options_for(GetParam()), &summary,
+    condense(scene.model, scene.observed, scene.driven, fixtures::solver_on(GetParam()), &summary,
              [&](const Progress& p) { last_fraction = p.fraction; });
 
     EXPECT_EQ(summary.columns, 2 * 3 * static_cast<Index>(scene.observed.size()));
@@ -131,7 +126,7 @@ TEST(CondenseReference, IsTheElementMatrixWhereThereIsNoInterior) {
     mesh.region = {0};
     const Model model = free_model(mesh, {{30.0, 0.25}});
 
-    const auto regions = condense(model, {2, 0}, {1, 3}, options_for("reference"));
+    const auto regions = condense(model, {2, 0}, {1, 3}, fixtures::solver_on("reference"));
 
     ASSERT_EQ(regions.size(), 1u);
     const Eigen::MatrixXd& s = regions[0].observed_observed;
@@ -161,7 +156,7 @@ TEST(CondenseReference, LeavesOutRegionsWithoutObservedNodes) {
             scene.driven.push_back(n);
 
     const auto regions =
-        condense(scene.model, scene.observed, scene.driven, options_for("reference"));
+        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
 
     ASSERT_EQ(regions.size(), 2u);
     EXPECT_EQ(regions[0].region, 0);
@@ -178,8 +173,9 @@ TEST(CondenseReference, RefusesAFloatingPart) {
     mesh.region.push_back(0);
     scene.model.prescribed.resize(3 * mesh.nodes.size(), 0);
 
-    const auto code = code_of(
-        [&] { condense(scene.model, scene.observed, scene.driven, options_for("reference")); });
+    const auto code = code_of([&] {
+        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+    });
 
     EXPECT_EQ(code, ErrorCode::solve_failed);
 }
@@ -188,8 +184,9 @@ TEST(CondenseReference, RefusesARegionBorderThatIsNotObserved) {
     Scene scene;
     scene.observed.pop_back();
 
-    const auto code = code_of(
-        [&] { condense(scene.model, scene.observed, scene.driven, options_for("reference")); });
+    const auto code = code_of([&] {
+        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+    });
 
     EXPECT_EQ(code, ErrorCode::invalid_argument);
 }
@@ -198,8 +195,9 @@ TEST(CondenseReference, RefusesANodeThatIsObservedAndDriven) {
     Scene scene;
     scene.driven.push_back(scene.observed.front());
 
-    const auto code = code_of(
-        [&] { condense(scene.model, scene.observed, scene.driven, options_for("reference")); });
+    const auto code = code_of([&] {
+        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+    });
 
     EXPECT_EQ(code, ErrorCode::invalid_argument);
 }

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "solver/linear/multigrid/aggregates.hpp"
+#include "solver/model/model.hpp"
+#include "solver/model/stiffness_matrix.hpp"
+
+namespace palpate {
+
+/// One level of a multigrid hierarchy. Level 0 is the mesh, 3 dofs per node; below it every node is
+/// an aggregate with 6 dofs.
+struct MultigridLevel {
+    BlockMatrix matrix;                    ///< 6x6 blocks; empty on level 0
+    std::vector<double> inverse_diagonal;  ///< [num_nodes, b, b], inverted diagonal blocks D^-1
+    double largest_eigenvalue = 0;         ///< of D^-1 A, estimated from below
+    Aggregates aggregates;                 ///< nodes of the next level
+    BlockMatrix prolongation;              ///< [nodes here, nodes of the next level], b x 6 blocks
+    BlockMatrix product;                   ///< pattern of A P, kept for new values
+    Adjacency members;                     ///< rows of `prolongation` per block column
+    std::vector<Index> member_entries;     ///< and their entries in it
+    Eigen::MatrixXd modes;                 ///< [b num_nodes, 6] near-null space
+};
+
+/// Smoothed aggregation for elasticity (Vanek, Mandel, Brezina, Computing 56, 1996): the columns of
+/// the tentative prolongation are the rigid-body modes of each aggregate, orthonormalised; one
+/// damped Jacobi step smooths them; coarse matrices are P^T A P. Moduli do not enter the choice of
+/// aggregates: when they change, `update` recomputes values in place.
+class Hierarchy {
+public:
+    /// Levels are added until the coarsest has at most this many dofs.
+    static constexpr Index coarsest_dofs = 600;
+
+    /// `stiffness` without regard to prescribed dofs, as `assemble_stiffness` makes it.
+    Hierarchy(const Model& model, const StiffnessMatrix& stiffness);
+
+    /// New values for the same mesh and prescribed dofs.
+    void update(const StiffnessMatrix& stiffness);
+
+    std::span<const MultigridLevel> levels() const { return levels_; }
+    /// Inverse of the coarsest matrix, symmetric, dense. Empty if level 0 has no free dof.
+    const Eigen::MatrixXd& coarsest_inverse() const { return coarsest_inverse_; }
+
+private:
+    const BlockMatrix& matrix_of(std::size_t level, const StiffnessMatrix& stiffness) const {
+        return level == 0 ? stiffness : levels_[level].matrix;
+    }
+    void compute_values(std::size_t level, const BlockMatrix& matrix);
+
+    std::vector<unsigned char> held_;  ///< [num_dofs] of level 0: prescribed or without stiffness
+    std::vector<MultigridLevel> levels_;
+    Eigen::MatrixXd coarsest_inverse_;
+};
+
+/// Transposed pattern and values: restriction from a prolongation.
+BlockMatrix transposed(const BlockMatrix& matrix);
+
+}  // namespace palpate
