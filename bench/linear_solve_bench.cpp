@@ -28,6 +28,7 @@
 #include "bench/contenders.hpp"
 #include "bench/peers/peer.hpp"
 #include "bench/process_memory.hpp"
+#include "bench/row_error.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate::bench {
@@ -77,7 +78,7 @@ void add_counters(benchmark::State& state, const Case& c, const BenchMesh& mesh,
     state.counters["iterations"] = iterations;
     state.counters["residual"] = residual;
     if (!(residual <= largest_residual))
-        state.SkipWithError(fmt::format("The relative residual is {:.2g}.", residual).c_str());
+        fail_row(state, fmt::format("The relative residual is {:.2g}.", residual));
 }
 
 void time_rows(benchmark::State& state, const Case& c, const BenchMesh& mesh) {
@@ -115,13 +116,12 @@ void run_case(benchmark::State& state, const Case& c, const std::filesystem::pat
     try {
         const BenchMesh& mesh = bench_mesh(folder, c.mesh);
         if (c.solver.most_dofs > 0 && mesh.model.num_dofs() > c.solver.most_dofs)
-            state.SkipWithError(fmt::format("{} is not run above {} degrees of freedom.",
-                                            c.solver.name, c.solver.most_dofs)
-                                    .c_str());
-        else
-            time_rows(state, c, mesh);
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("{} is not run above {} degrees of freedom.", c.solver.name,
+                                    c.solver.most_dofs));
+        time_rows(state, c, mesh);
     } catch (const std::exception& error) {
-        state.SkipWithError(error.what());
+        skip_row(state, error);
     }
 }
 
