@@ -30,32 +30,6 @@ Mat3 displacement_gradient(const Mesh& mesh, Index tet, const std::vector<Vec3>&
     return gradient;
 }
 
-Model make_model(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
-                 const std::vector<WallMotion>& motions, Columns& right_hand_side) {
-    Model model{mesh.mesh, materials, std::vector<std::uint8_t>(3 * mesh.mesh.nodes.size(), 0)};
-    right_hand_side = Columns::Zero(model.num_dofs(), 1);
-    const auto prescribe = [&](Index region, const auto& displacement_at) {
-        const auto on_region = nodes_on_region(mesh, region);
-        for (Index n = 0; n < mesh.mesh.num_nodes(); ++n) {
-            if (!on_region[n]) continue;
-            const Vec3 u = displacement_at(mesh.mesh.nodes[n]);
-            for (int c = 0; c < 3; ++c) {
-                model.prescribed[3 * n + c] = 1;
-                right_hand_side(3 * n + c, 0) = u[c];
-            }
-        }
-    };
-    const auto at_rest = [](const Vec3&) -> Vec3 { return Vec3::Zero(); };
-    for (const WallMotion& motion : motions) {
-        prescribe(first_organ_region + motion.organ(),
-                  [&](const Vec3& x) { return motion.displacement(x); });
-    }
-    prescribe(outside_region, at_rest);
-    prescribe(first_organ_region + bone_left, at_rest);
-    prescribe(first_organ_region + bone_right, at_rest);
-    return model;
-}
-
 double smallest_jacobian(const std::vector<Mat3>& gradients, double scale) {
     double smallest = std::numeric_limits<double>::max();
     for (const Mat3& gradient : gradients) {
@@ -90,13 +64,42 @@ std::vector<std::uint8_t> nodes_on_region(const RegionMesh& mesh, Index region) 
     return on_region;
 }
 
+WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
+                              const std::vector<WallMotion>& motions) {
+    WallProblem problem;
+    Model& model = problem.model;
+    model = {mesh.mesh, materials, std::vector<std::uint8_t>(3 * mesh.mesh.nodes.size(), 0)};
+    problem.prescribed_mm = Columns::Zero(model.num_dofs(), 1);
+    const auto prescribe = [&](Index region, const auto& displacement_at) {
+        const auto on_region = nodes_on_region(mesh, region);
+        for (Index n = 0; n < mesh.mesh.num_nodes(); ++n) {
+            if (!on_region[n]) continue;
+            const Vec3 u = displacement_at(mesh.mesh.nodes[n]);
+            for (int c = 0; c < 3; ++c) {
+                model.prescribed[3 * n + c] = 1;
+                problem.prescribed_mm(3 * n + c, 0) = u[c];
+            }
+        }
+    };
+    const auto at_rest = [](const Vec3&) -> Vec3 { return Vec3::Zero(); };
+    for (const WallMotion& motion : motions) {
+        prescribe(first_organ_region + motion.organ(),
+                  [&](const Vec3& x) { return motion.displacement(x); });
+    }
+    prescribe(outside_region, at_rest);
+    prescribe(first_organ_region + bone_left, at_rest);
+    prescribe(first_organ_region + bone_right, at_rest);
+    return problem;
+}
+
 Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
                             const std::vector<WallMotion>& motions,
                             const LinearSolverOptions& options, const ProgressSink& progress) {
-    Columns right_hand_side, u;
-    const Model model = make_model(mesh, materials, motions, right_hand_side);
+    const WallProblem problem = make_wall_problem(mesh, materials, motions);
+    Columns u;
     Deformation deformation;
-    deformation.solve = make_linear_solver(model, options)->solve(right_hand_side, u, progress);
+    deformation.solve =
+        make_linear_solver(problem.model, options)->solve(problem.prescribed_mm, u, progress);
     if (!deformation.solve.converged) {
         throw Error(ErrorCode::solve_failed,
                     "The phantom's true displacement could not be solved for: " +

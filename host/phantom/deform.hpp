@@ -13,6 +13,17 @@ namespace palpate {
 /// Which nodes of a mesh lie on the surface of a region (1) and which do not (0), [num_nodes].
 std::vector<std::uint8_t> nodes_on_region(const RegionMesh& mesh, Index region);
 
+/// The forward problem of a phantom: dofs on the walls, the box and the bones are prescribed.
+struct WallProblem {
+    Model model;
+    Columns prescribed_mm;  ///< [num_dofs, 1] the walls' motion, 0 at all other dofs
+};
+
+/// Box and bones are at rest; where a wall meets them it rests too.
+///   materials  by region number
+WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
+                              const std::vector<WallMotion>& motions);
+
 struct Deformation {
     std::vector<Vec3> displacement;  ///< [num_nodes] mm, load scale included
     double load_scale = 1;           ///< factor on the wall motions, 1 where no element suffers

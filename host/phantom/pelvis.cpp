@@ -190,6 +190,16 @@ void describe_walls(const PelvisPhantom& phantom, const std::vector<WallMotion>&
 
 }  // namespace
 
+WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOptions& mesher,
+                                const ProgressSink& progress) {
+    check_options(options);
+    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing);
+    MesherSummary summary;
+    const RegionMesh mesh = make_reference_mesh(anatomy, options, mesher, summary, progress);
+    return make_wall_problem(mesh, make_materials(options, make_settings(options).num_regions()),
+                             make_wall_motions(anatomy, options.seed));
+}
+
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
                           const MesherOptions& mesher, const ProgressSink& progress) {
     check_options(options);

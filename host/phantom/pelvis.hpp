@@ -9,6 +9,7 @@
 #include "host/imaging/label_image.hpp"
 #include "host/meshing/mesher.hpp"
 #include "host/modelling/settings.hpp"
+#include "host/phantom/deform.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
@@ -64,6 +65,10 @@ struct PelvisPhantom {
 /// Throws Error(invalid_argument) for an option out of range, and what meshing and solving throw.
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
                           const MesherOptions& mesher, const ProgressSink& progress = {});
+
+/// The forward problem of the same phantom, not solved: for benchmarks of the solver.
+WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOptions& mesher,
+                                const ProgressSink& progress = {});
 
 /// Writes reference.nii.gz target.nii.gz organs.toml truth.json landmarks.csv into a new folder
 /// `folder`, all or nothing. Throws Error(output_failed).

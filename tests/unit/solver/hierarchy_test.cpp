@@ -156,7 +156,8 @@ TEST(Hierarchy, EigenvalueEstimateIsNearTheLargest) {
         inverse.block<3, 3>(3 * n, 3 * n) = Eigen::Map<const Eigen::Matrix3d>(
             &level.inverse_diagonal[9 * static_cast<std::size_t>(n)]);
 
-    const double exact = Eigen::EigenSolver<Dense>(inverse * constrained, false).eigenvalues().cwiseAbs().maxCoeff();
+    const double exact =
+        Eigen::EigenSolver<Dense>(inverse * constrained, false).eigenvalues().cwiseAbs().maxCoeff();
 
     EXPECT_NEAR(level.largest_eigenvalue, exact, 0.1 * exact);
 }
