@@ -5,11 +5,21 @@
 #include "solver/backend/registry.hpp"
 
 namespace palpate {
+namespace {
+
+LinearMethod method_named(const std::string& name) {
+    for (const LinearMethod method :
+         {LinearMethod::multigrid, LinearMethod::jacobi, LinearMethod::direct})
+        if (name == name_of(method)) return method;
+    return LinearMethod::automatic;
+}
+
+}  // namespace
 
 void add_solver_options(CLI::App& command, SolverArguments& arguments) {
     command
         .add_option("--backend", arguments.backend,
-                    "Who computes: auto (OpenCL), opencl, or reference (host, direct solver)")
+                    "Who computes: auto (OpenCL), opencl, or reference (host)")
         ->check(CLI::IsMember({"auto", "opencl", "reference"}))
         ->capture_default_str();
     command.add_option("--device", arguments.device,
@@ -24,6 +34,13 @@ void add_solver_options(CLI::App& command, SolverArguments& arguments) {
         .add_option("--product", arguments.product,
                     "Stiffness product on the device: assembled or matrix-free")
         ->check(CLI::IsMember({"assembled", "matrix-free"}))
+        ->capture_default_str();
+    command
+        .add_option("--linear-solver", arguments.linear_solver,
+                    "How equations are solved: auto (by size, number of columns and device), "
+                    "multigrid (large meshes), jacobi (little memory), or direct (on the host; "
+                    "many columns, small meshes)")
+        ->check(CLI::IsMember({"auto", "multigrid", "jacobi", "direct"}))
         ->capture_default_str();
 }
 
@@ -53,6 +70,7 @@ LinearSolverOptions solver_options(const SolverArguments& arguments) {
         arguments.precision == "double" ? Precision::double_ : Precision::single;
     options.device.product =
         arguments.product == "assembled" ? Product::assembled : Product::matrix_free;
+    options.method = method_named(arguments.linear_solver);
     make_backend(options.backend, options.device);  // a missing device is told before any work
     return options;
 }

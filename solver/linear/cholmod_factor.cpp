@@ -89,12 +89,9 @@ private:
     }
 
     SupernodalFactor blocks() const {
-        return {static_cast<Index>(factor_->nsuper),
-                static_cast<const int*>(factor_->super),
-                static_cast<const int*>(factor_->pi),
-                static_cast<const int*>(factor_->px),
-                static_cast<const int*>(factor_->s),
-                static_cast<const double*>(factor_->x)};
+        return {static_cast<Index>(factor_->nsuper),  static_cast<const int*>(factor_->super),
+                static_cast<const int*>(factor_->pi), static_cast<const int*>(factor_->px),
+                static_cast<const int*>(factor_->s),  static_cast<const double*>(factor_->x)};
     }
 
     /// Smallest and largest L_jj^2: what the D of an L D L^T would hold.

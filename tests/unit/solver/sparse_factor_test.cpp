@@ -34,8 +34,7 @@ Eigen::MatrixXd line_matrix(Index n, double shift) {
 }
 
 SparseFactor::Lower lower_of(const Eigen::MatrixXd& matrix) {
-    SparseFactor::Lower lower =
-        Eigen::MatrixXd(matrix.triangularView<Eigen::Lower>()).sparseView();
+    SparseFactor::Lower lower = Eigen::MatrixXd(matrix.triangularView<Eigen::Lower>()).sparseView();
     lower.makeCompressed();
     return lower;
 }
@@ -119,8 +118,7 @@ TEST_P(SparseFactorTest, RefusesAMatrixThatIsNotDefinite) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryLibrary, SparseFactorTest,
-                         testing::ValuesIn(sparse_factor_names()),
+INSTANTIATE_TEST_SUITE_P(EveryLibrary, SparseFactorTest, testing::ValuesIn(sparse_factor_names()),
                          [](const auto& entry) { return entry.param; });
 
 TEST(MakeSparseFactor, TakesTheFirstLibraryUnlessTold) {
