@@ -17,6 +17,7 @@ struct SolverArguments {
     std::string device;
     std::string precision = "single";
     std::string product = "auto";
+    std::string linear_solver = "auto";
 };
 
 struct MesherArguments {
