@@ -46,11 +46,11 @@ DeviceModel::DeviceModel(Session& session, const Model& model, Product product)
 }
 
 void DeviceModel::upload_mesh(const Mesh& mesh) {
-    const RowTable corners = palpate::node_corners(mesh);
+    const Adjacency corners = corners_of_nodes(mesh);
     elements_ = session_.upload(flat(mesh.tets));
     region_ = session_.upload(mesh.region);
-    node_start_ = session_.upload(corners.start);
-    node_corners_ = session_.upload(corners.entry);
+    node_start_ = session_.upload(corners.offsets);
+    node_corners_ = session_.upload(corners.items);
     if (product_ == Product::assembled) upload_assembly_tables(mesh, corners);
 
     const RegionChunks chunks = region_chunks(
@@ -66,12 +66,12 @@ void DeviceModel::upload_mesh(const Mesh& mesh) {
                  geometry_, cl_int(num_elements_));
 }
 
-void DeviceModel::upload_assembly_tables(const Mesh& mesh, const RowTable& corners) {
-    const RowTable pattern = block_pattern(mesh, corners);
+void DeviceModel::upload_assembly_tables(const Mesh& mesh, const Adjacency& corners) {
+    const Adjacency pattern = node_graph(mesh);
     corner_slots_ = session_.upload(corner_slots(mesh, corners, pattern));
-    row_start_ = session_.upload(pattern.start);
-    block_node_ = session_.upload(pattern.entry);
-    blocks_ = session_.make_real_buffer(9 * pattern.entry.size() + block_padding);
+    row_start_ = session_.upload(pattern.offsets);
+    block_node_ = session_.upload(pattern.items);
+    blocks_ = session_.make_real_buffer(9 * pattern.items.size() + block_padding);
 }
 
 void DeviceModel::set_stiffness(std::span<const double> stiffness_kpa) {

@@ -36,7 +36,7 @@ public:
 
 private:
     void upload_mesh(const Mesh& mesh);
-    void upload_assembly_tables(const Mesh& mesh, const RowTable& corners);
+    void upload_assembly_tables(const Mesh& mesh, const Adjacency& corners);
     void compute_stiffness();
     void multiply_assembled(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns);
     void multiply_elements(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns,
