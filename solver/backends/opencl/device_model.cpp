@@ -67,11 +67,11 @@ DeviceModel::DeviceModel(Session& session, const Model& model, Product product)
 }
 
 void DeviceModel::upload_mesh(const Mesh& mesh) {
-    const RowTable corners = palpate::node_corners(mesh);
+    const Adjacency corners = corners_of_nodes(mesh);
     elements_ = session_.upload(flat(mesh.tets));
     region_ = session_.upload(mesh.region);
-    node_start_ = session_.upload(corners.start);
-    node_corners_ = session_.upload(corners.entry);
+    node_start_ = session_.upload(corners.offsets);
+    node_corners_ = session_.upload(corners.items);
     if (holds(Product::assembled)) upload_assembly_tables(mesh, corners);
     inverse_blocks_ = blocks_ ? blocks_->inverse_diagonal()
                               : session_.make_real_buffer(std::size_t(9) * num_nodes_);
@@ -90,10 +90,10 @@ void DeviceModel::upload_mesh(const Mesh& mesh) {
                  geometry_, cl_int(num_elements_));
 }
 
-void DeviceModel::upload_assembly_tables(const Mesh& mesh, const RowTable& corners) {
-    const RowTable pattern = block_pattern(mesh, corners);
+void DeviceModel::upload_assembly_tables(const Mesh& mesh, const Adjacency& corners) {
+    const Adjacency pattern = node_graph(mesh);
     corner_slots_ = session_.upload(corner_slots(mesh, corners, pattern));
-    blocks_.emplace(session_, Adjacency{pattern.start, pattern.entry}, 3, 3, true);
+    blocks_.emplace(session_, pattern, 3, 3, true);
 }
 
 void DeviceModel::set_stiffness(std::span<const double> stiffness_kpa) {

@@ -52,7 +52,7 @@ private:
     /// Columns whose element forces are held at a time.
     std::size_t pass_columns() const;
     void upload_mesh(const Mesh& mesh);
-    void upload_assembly_tables(const Mesh& mesh, const RowTable& corners);
+    void upload_assembly_tables(const Mesh& mesh, const Adjacency& corners);
     void compute_stiffness();
     std::size_t multiply_elements(const RowJob& job, bool constrained, bool recomputed);
     std::size_t multiply_pass(const RowJob& job, bool constrained, bool recomputed,
