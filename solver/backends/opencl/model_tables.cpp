@@ -7,9 +7,12 @@
 #include <algorithm>
 
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
+
+constexpr Index nodes_per_thread = 500;
 
 // Counts per row, turned into row starts.
 std::vector<Index> starts_of(std::vector<Index> counts) {
@@ -27,21 +30,23 @@ std::vector<Index> starts_of(std::vector<Index> counts) {
 
 std::vector<std::uint16_t> corner_slots(const Mesh& mesh, const Adjacency& corners,
                                         const Adjacency& pattern) {
-    std::vector<std::uint16_t> slots;
-    slots.reserve(4 * corners.items.size());
-    for (Index node = 0; node < mesh.num_nodes(); ++node) {
-        const auto row = pattern.items.begin() + pattern.offsets[node];
-        const auto end = pattern.items.begin() + pattern.offsets[node + 1];
-        if (end - row > 65535)
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("Node {} has {} neighbours, the OpenCL back end allows 65535: "
-                                    "check the mesh or use the matrix-free product.",
-                                    node, end - row));
-        for (Index k = corners.offsets[node]; k < corners.offsets[node + 1]; ++k)
-            for (Index other : mesh.tets[corners.items[k] / 4])
-                slots.push_back(
-                    static_cast<std::uint16_t>(std::lower_bound(row, end, other) - row));
-    }
+    std::vector<std::uint16_t> slots(4 * corners.items.size());
+    parallel_ranges(mesh.num_nodes(), nodes_per_thread, [&](Index first, Index last) {
+        for (Index node = first; node < last; ++node) {
+            const Index* row = pattern.items.data() + pattern.offsets[node];
+            const Index length = pattern.offsets[node + 1] - pattern.offsets[node];
+            if (length > 65535)
+                throw Error(
+                    ErrorCode::unsupported,
+                    fmt::format("Node {} has {} neighbours, the OpenCL back end allows 65535: "
+                                "check the mesh or use the matrix-free product.",
+                                node, length));
+            for (Index k = corners.offsets[node]; k < corners.offsets[node + 1]; ++k)
+                for (int b = 0; b < 4; ++b)
+                    slots[4 * static_cast<std::size_t>(k) + b] = static_cast<std::uint16_t>(
+                        std::find(row, row + length, mesh.tets[corners.items[k] / 4][b]) - row);
+        }
+    });
     return slots;
 }
 

@@ -121,9 +121,10 @@ PALPATE_ALWAYS_INLINE void restriction_product_of(const BlockMatrix& p, const Ad
             const Index node = members.items[m];
             const double* left = p.blocks.data() + size * entries[m];
             for (Index q = c.graph.offsets[node]; q < c.graph.offsets[node + 1]; ++q)
-                add_transposed_product<B>(
-                    left, c.blocks.data() + size * q,
-                    coarse.blocks.data() + coarse_size * position[c.graph.items[q]]);
+                if (c.graph.items[q] >= row)
+                    add_transposed_product<B>(
+                        left, c.blocks.data() + size * q,
+                        coarse.blocks.data() + coarse_size * position[c.graph.items[q]]);
         }
     }
 }
@@ -184,6 +185,22 @@ void smooth_prolongation(const BlockMatrix& a, Index first, Index last,
 void multiply_prolongation(const BlockMatrix& a, const BlockMatrix& p, Index first, Index last,
                            BlockMatrix& c) {
     (a.block_rows == 3 ? prolongation_product_3 : prolongation_product_6)(a, p, first, last, c);
+}
+
+void mirror_upper_triangle(BlockMatrix& matrix, Index first, Index last) {
+    const int b = matrix.block_rows;
+    for (Index row = first; row < last; ++row)
+        for (Index k = matrix.graph.offsets[row]; k < matrix.graph.offsets[row + 1]; ++k) {
+            const Index column = matrix.graph.items[k];
+            if (column >= row) break;
+            const auto begin = matrix.graph.items.begin();
+            const auto entry = std::lower_bound(begin + matrix.graph.offsets[column],
+                                                begin + matrix.graph.offsets[column + 1], row);
+            const double* from = matrix.block(static_cast<Index>(entry - begin));
+            double* to = matrix.block(k);
+            for (int i = 0; i < b; ++i)
+                for (int j = 0; j < b; ++j) to[b * i + j] = from[b * j + i];
+        }
 }
 
 void multiply_restriction(const BlockMatrix& p, const Adjacency& members, const Index* entries,

@@ -26,9 +26,14 @@ void smooth_prolongation(const BlockMatrix& a, Index first, Index last,
 void multiply_prolongation(const BlockMatrix& a, const BlockMatrix& p, Index first, Index last,
                            BlockMatrix& c);
 
-/// The block rows [first, last) of P^T C in the pattern of `coarse`.
+/// The block rows [first, last) of P^T C in the pattern of `coarse`, only the blocks on and above
+/// the diagonal: for C = A P the result is symmetric.
 ///   members, entries  block rows of P with a block in each block column, and that block's number
 void multiply_restriction(const BlockMatrix& p, const Adjacency& members, const Index* entries,
                           const BlockMatrix& c, Index first, Index last, BlockMatrix& coarse);
+
+/// Blocks below the diagonal from those above it, for the block rows [first, last) of a matrix with
+/// a symmetric pattern.
+void mirror_upper_triangle(BlockMatrix& matrix, Index first, Index last);
 
 }  // namespace palpate

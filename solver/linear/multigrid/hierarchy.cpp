@@ -18,7 +18,7 @@ namespace {
 
 constexpr Index rows_per_thread = 500;
 constexpr int num_modes = 6;
-constexpr int lanczos_steps = 12;
+constexpr int lanczos_steps = 8;
 constexpr double eigenvalue_margin = 1.05;  ///< Ritz values of few steps come from below
 constexpr double damping = 4.0 / 3.0;       ///< omega of the smoothed prolongation, over lambda_max
 constexpr double smallest_mode = 1e-6;      ///< share of a mode that must survive orthogonalisation
@@ -388,6 +388,9 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
     in_parallel(coarse.num_rows(), [&](Index first, Index last) {
         multiply_restriction(level.prolongation, level.members, level.member_entries.data(),
                              level.product, first, last, coarse);
+    });
+    in_parallel(coarse.num_rows(), [&](Index first, Index last) {
+        mirror_upper_triangle(coarse, first, last);
     });
     hold_missing_modes(coarse);
 }
