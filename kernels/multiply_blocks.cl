@@ -22,7 +22,36 @@
 #define NUM_SUMS 1
 #endif
 
-#if COLUMN_WIDTH == 1 && DEVICE_IS_CPU
+#if COLUMN_WIDTH == 1 && DEVICE_IS_CPU && BLOCK_ROWS == 3 && BLOCK_COLUMNS == 3
+// One column: eight entries of a block meet the eight factors they belong to, the ninth goes alone;
+// two blocks at a time, so that their sums do not wait for each other.
+#define ADD_BLOCK(k, sum, last)                                                          \
+    {                                                                                    \
+        global const real* block = blocks + (size_t)BLOCK_REALS * (k);                   \
+        global const real* at = x + (size_t)3 * block_node[k] * num_columns + column;    \
+        const real4 u = (real4)(at[0], at[num_columns], at[(size_t)2 * num_columns], 0); \
+        sum += vload8(0, block) * u.s00011122;                                           \
+        last += block[8] * u.s2;                                                         \
+    }
+
+static inline void multiply_row(global const int* row_start, global const int* block_node,
+                                global const real* blocks, global const real* x, size_t row,
+                                size_t num_columns, size_t column, columns* ax) {
+    real8 sum0 = (real8)(0), sum1 = (real8)(0);
+    real last0 = 0, last1 = 0;
+    const int end = row_start[row + 1];
+    int k = row_start[row];
+    for (; k + 1 < end; k += 2) {
+        ADD_BLOCK(k, sum0, last0)
+        ADD_BLOCK(k + 1, sum1, last1)
+    }
+    if (k < end) ADD_BLOCK(k, sum0, last0)
+    const real8 sum = sum0 + sum1;
+    ax[0] = sum.s0 + sum.s3 + sum.s6;
+    ax[1] = sum.s1 + sum.s4 + sum.s7;
+    ax[2] = sum.s2 + sum.s5 + (last0 + last1);
+}
+#elif COLUMN_WIDTH == 1 && DEVICE_IS_CPU
 // One column: the rows of a block side by side in a vector, whose surplus entries are unused.
 #if BLOCK_ROWS <= 4
 typedef real4 block_column;

@@ -10,6 +10,7 @@
 #include "solver/linear/block_cg.hpp"
 #include "solver/linear/constrained_system.hpp"
 #include "solver/linear/multigrid/multigrid.hpp"
+#include "solver/mesh/spatial_order.hpp"
 
 namespace palpate {
 namespace {
@@ -20,13 +21,26 @@ double inner_tolerance(Precision precision) {
     return precision == Precision::single ? 1e-5 : 1e-13;
 }
 
+/// The same model with its nodes in `order`.
+Model in_order(const Model& model, const std::vector<Index>& order) {
+    check_model(model);
+    Model result;
+    result.mesh = renumbered(model.mesh, order);
+    result.materials = model.materials;
+    result.prescribed.reserve(model.prescribed.size());
+    for (Index node : order)
+        for (Index c = 0; c < 3; ++c) result.prescribed.push_back(model.prescribed[3 * node + c]);
+    return result;
+}
+
 class CgSolver final : public LinearSolver {
 public:
     CgSolver(const Model& model, std::unique_ptr<Backend> backend,
              const LinearSolverOptions& options, MethodChoice choice)
         : options_(options),
           choice_(std::move(choice)),
-          system_(model),
+          order_(spatial_order(model.mesh.nodes)),
+          system_(in_order(model, order_)),
           backend_(std::move(backend)) {
         backend_->prepare(system_.model());
         if (choice_.method == LinearMethod::multigrid)
@@ -79,6 +93,7 @@ private:
 
     LinearSolverOptions options_;
     MethodChoice choice_;
+    std::vector<Index> order_;  ///< [num_nodes] the caller's number of the k-th node of `system_`
     ConstrainedSystem system_;
     std::unique_ptr<Backend> backend_;
     std::unique_ptr<Backend> single_;     ///< for multigrid within double precision
@@ -105,10 +120,14 @@ LinearSolverSummary CgSolver::solve(const Columns& b, Columns& x, const Progress
     LinearSolverSummary summary;
     for (Index first = 0; first < columns; first += width) {
         const Index used = std::min(width, columns - first);
-        const Columns b_batch = b.middleCols(first, used);
-        Columns x_batch = x.middleCols(first, used);
+        Columns b_batch(rows, used), x_batch(rows, used);
+        for (std::size_t k = 0; k < order_.size(); ++k) {
+            b_batch.middleRows<3>(3 * k) = b.block(3 * order_[k], first, 3, used);
+            x_batch.middleRows<3>(3 * k) = x.block(3 * order_[k], first, 3, used);
+        }
         const LinearSolverSummary part = solve_batch(b_batch, x_batch);
-        x.middleCols(first, used) = x_batch;
+        for (std::size_t k = 0; k < order_.size(); ++k)
+            x.block(3 * order_[k], first, 3, used) = x_batch.middleRows<3>(3 * k);
         summary.iterations += part.iterations;
         summary.refinements = std::max(summary.refinements, part.refinements);
         summary.relative_residual = std::max(summary.relative_residual, part.relative_residual);

@@ -25,12 +25,12 @@ std::vector<Tet4> all_geometry(const Mesh& mesh) {
     return geometry;
 }
 
-/// Adds the blocks that the corners [first, last) give to the block rows of their nodes: the formula
-/// of `tet4_stiffness_block`, written out for speed.
+/// Adds the blocks that the corners [first, last) give to the block rows of their nodes: the
+/// formula of `tet4_stiffness_block`, written out for speed.
 ///   lame  [num_materials, 2] lambda and mu, kPa
 PALPATE_MULTIVERSION
-void add_corners(const Mesh& mesh, const Index* corners, Index first, Index last, const Tet4* shapes,
-                 const double* lame, StiffnessMatrix& matrix) {
+void add_corners(const Mesh& mesh, const Index* corners, Index first, Index last,
+                 const Tet4* shapes, const double* lame, StiffnessMatrix& matrix) {
     for (Index k = first; k < last; ++k) {
         const Index t = corners[k] / 4;
         const int a = corners[k] % 4;

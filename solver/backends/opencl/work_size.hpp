@@ -39,15 +39,17 @@ struct ColumnPass {
 };
 
 /// Cuts any number of columns into passes. A CPU takes vectors of up to `max_width` columns (16, 8,
-/// 4, then single ones); elsewhere every item takes one column and neighbours take neighbours.
+/// 4, then single ones), one vector after the other, so that a pass finds its rows in the cache;
+/// elsewhere every item takes one column and neighbours take neighbours.
 inline std::vector<ColumnPass> column_passes(std::size_t num_columns, bool is_cpu, int max_width) {
     if (!is_cpu) return {{0, num_columns, 1}};
     std::vector<ColumnPass> passes;
     std::size_t first = 0;
     for (int width : {16, 8, 4, 1}) {
-        const std::size_t groups = width <= max_width ? (num_columns - first) / width : 0;
-        if (groups > 0) passes.push_back({first, groups, width});
-        first += groups * width;
+        if (width > max_width) continue;
+        if (width == 1 && first < num_columns) passes.push_back({first, num_columns - first, 1});
+        for (; width > 1 && first + width <= num_columns; first += width)
+            passes.push_back({first, 1, width});
     }
     return passes;
 }

@@ -389,9 +389,8 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
         multiply_restriction(level.prolongation, level.members, level.member_entries.data(),
                              level.product, first, last, coarse);
     });
-    in_parallel(coarse.num_rows(), [&](Index first, Index last) {
-        mirror_upper_triangle(coarse, first, last);
-    });
+    in_parallel(coarse.num_rows(),
+                [&](Index first, Index last) { mirror_upper_triangle(coarse, first, last); });
     hold_missing_modes(coarse);
 }
 
