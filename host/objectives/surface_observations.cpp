@@ -8,20 +8,10 @@
 #include <map>
 #include <utility>
 
+#include "host/surfaces/surface.hpp"
+
 namespace palpate {
 namespace {
-
-/// A third of the area of the triangles round each vertex, mm^2.
-std::vector<double> vertex_areas(const Surface& surface) {
-    std::vector<double> area(surface.vertices.size(), 0.0);
-    for (const auto& t : surface.triangles) {
-        const Vec3& p = surface.vertices[t[0]];
-        const double third =
-            (surface.vertices[t[1]] - p).cross(surface.vertices[t[2]] - p).norm() / 6.0;
-        for (const Index v : t) area[v] += third;
-    }
-    return area;
-}
 
 std::map<Index, Index> positions(const std::vector<Index>& nodes) {
     std::map<Index, Index> position;

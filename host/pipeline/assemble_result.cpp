@@ -13,6 +13,7 @@
 #include "host/pipeline/version.hpp"
 #include "host/pipeline/volumes.hpp"
 #include "host/surfaces/picture_surface.hpp"
+#include "host/surfaces/surface.hpp"
 
 namespace palpate {
 namespace {
@@ -112,17 +113,6 @@ Distances summarise(const std::vector<double>& signed_mm, const std::vector<doub
     return result;
 }
 
-std::vector<double> vertex_area(const Surface& surface) {
-    std::vector<double> area(surface.vertices.size(), 0.0);
-    for (const auto& t : surface.triangles) {
-        const Vec3& p = surface.vertices[t[0]];
-        const double third =
-            (surface.vertices[t[1]] - p).cross(surface.vertices[t[2]] - p).norm() / 6.0;
-        for (const Index v : t) area[v] += third;
-    }
-    return area;
-}
-
 SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelField& target,
                              const Settings& settings) {
     const ObservedSurface& observed = found.recovery.surfaces[s];
@@ -148,7 +138,7 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelF
         picture_surface(map, observed.surface.vertices, picture_edge_mm, [&](const Vec3& point) {
             return target.inside_box(found.alignment.reference_to_target.apply(point));
         });
-    const auto area = vertex_area(observed.surface);
+    const auto area = vertex_areas(observed.surface);
     const auto before = summarise(result.distance_before_mm, area, seen);
     const auto after = summarise(result.distance_after_mm, area, seen);
     result.mean_distance_mm_before = before.mean;

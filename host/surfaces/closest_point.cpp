@@ -174,22 +174,6 @@ std::vector<ClosestPoint> ClosestPointQuery::closest(const std::vector<Vec3>& po
     return result;
 }
 
-namespace {
-
-/// A third of the area of the triangles round each vertex.
-std::vector<double> vertex_areas(const Surface& surface) {
-    std::vector<double> areas(surface.vertices.size(), 0.0);
-    for (const Triangle& t : surface.triangles) {
-        const Vec3& a = surface.vertices[t[0]];
-        const double area =
-            0.5 * (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm();
-        for (Index vertex : t) areas[vertex] += area / 3;
-    }
-    return areas;
-}
-
-}  // namespace
-
 SurfaceDistance surface_distance(const Surface& from, const Surface& to) {
     const std::vector<ClosestPoint> closest = ClosestPointQuery(to).closest(from.vertices);
     const std::vector<double> areas = vertex_areas(from);

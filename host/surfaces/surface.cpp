@@ -43,13 +43,28 @@ double enclosed_volume(const Surface& surface) {
     return volume;
 }
 
+namespace {
+
+double triangle_area(const Surface& surface, const Triangle& t) {
+    const Vec3& a = surface.vertices[t[0]];
+    return 0.5 * (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm();
+}
+
+}  // namespace
+
 double surface_area(const Surface& surface) {
     double area = 0;
-    for (const Triangle& t : surface.triangles) {
-        const Vec3& a = surface.vertices[t[0]];
-        area += 0.5 * (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm();
-    }
+    for (const Triangle& t : surface.triangles) area += triangle_area(surface, t);
     return area;
+}
+
+std::vector<double> vertex_areas(const Surface& surface) {
+    std::vector<double> areas(surface.vertices.size(), 0.0);
+    for (const Triangle& t : surface.triangles) {
+        const double third = triangle_area(surface, t) / 3;
+        for (const Index vertex : t) areas[vertex] += third;
+    }
+    return areas;
 }
 
 }  // namespace palpate

@@ -37,5 +37,8 @@ Surface surface_of_region(const RegionSurface& all, Index region, bool include_b
 /// Enclosed volume of a closed surface, mm^3 (divergence theorem).
 double enclosed_volume(const Surface& surface);
 double surface_area(const Surface& surface);
+/// A third of the area of the triangles round each vertex, mm^2: [num vertices], sum
+/// `surface_area`.
+std::vector<double> vertex_areas(const Surface& surface);
 
 }  // namespace palpate

@@ -13,10 +13,9 @@ find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 
 find_package(ITK REQUIRED COMPONENTS
-  ITKCommon ITKDistanceMap ITKSmoothing ITKImageFunction ITKImageGrid ITKTransform
-  ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase ITKIOTransformHDF5
-  ITKIOTransformInsightLegacy)
-find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel IOXML IOLegacy FiltersCore)
+  ITKCommon ITKTransform ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase
+  ITKIOTransformHDF5 ITKIOTransformInsightLegacy)
+find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel IOXML IOLegacy)
 
 if(PALPATE_WITH_OPENCL)
   find_package(OpenCL REQUIRED)

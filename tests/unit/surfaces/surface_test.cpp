@@ -50,5 +50,13 @@ TEST(Surface, VolumeAndAreaOfASphereFarFromTheOrigin) {
     EXPECT_NEAR(surface_area(sphere), 4 * M_PI * 100, 0.2);
 }
 
+TEST(Surface, SharesAreaAmongTheVertices) {
+    const Surface surface{{{0, 0, 0}, {6, 0, 0}, {0, 2, 0}, {0, 0, 3}, {9, 9, 9}},
+                          {{0, 1, 2}, {0, 3, 1}}};
+
+    // Triangles of 6 and 9 mm^2; the last vertex belongs to none.
+    EXPECT_EQ(vertex_areas(surface), (std::vector<double>{5, 5, 2, 3, 0}));
+}
+
 }  // namespace
 }  // namespace palpate
