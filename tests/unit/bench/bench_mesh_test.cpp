@@ -25,10 +25,9 @@ protected:
         file.put(byte);
     }
 
-    std::filesystem::path folder_ =
-        std::filesystem::path(testing::TempDir()) /
-        (std::string("bench_mesh_") +
-         testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) /
+                                    (std::string("bench_mesh_") +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::path path_ = folder_ / "small.mesh";
 };
 
