@@ -52,10 +52,10 @@ double device_copy_bandwidth(Backend& backend, double working_set_bytes) {
     const double real_bytes = backend.describe().precision == Precision::single ? 4 : 8;
     const Index rows = static_cast<Index>(std::max(4096.0, working_set_bytes / (2 * real_bytes)));
     const auto from = backend.make_vector(rows, 1), to = backend.make_vector(rows, 1);
-    const std::array<double, 1> one = {1}, zero = {0};
+    const std::array<Index, 1> column = {0};
     backend.fill(*from, 1);
     const auto copy = [&](int repeats) {
-        for (int i = 0; i < repeats; ++i) backend.axpby(one, *from, zero, *to);
+        for (int i = 0; i < repeats; ++i) backend.copy_columns(*from, column, *to, column);
         backend.wait();
     };
     copy(1);  // builds the kernel

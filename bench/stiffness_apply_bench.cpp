@@ -49,6 +49,13 @@ double matrix_free_bytes(const Sizes& s) {
            2 * 12 * s.tets * s.columns * s.real + 2 * s.vector();
 }
 
+// elements, region, nodes, node_start, node_corners, prescribed; element forces, written and read;
+// x, y
+double recomputed_bytes(const Sizes& s) {
+    return s.tets * (16 + 4 + 16) + s.nodes * (3 * s.real + 4 + 3) +
+           2 * 12 * s.tets * s.columns * s.real + 2 * s.vector();
+}
+
 // inverse_blocks; r, z
 double block_jacobi_bytes(const Sizes& s) { return 9 * s.nodes * s.real + 2 * s.vector(); }
 
@@ -62,18 +69,16 @@ struct ProductEntry {
 constexpr ProductEntry products[] = {
     {Product::assembled, "assembled", assembled_bytes},
     {Product::matrix_free, "matrix_free", matrix_free_bytes},
+    {Product::recomputed, "recomputed", recomputed_bytes},
 };
 
 /// A back end with a prepared mesh and two vectors.
 struct Bench {
     std::unique_ptr<Backend> backend;
     const Model* model = nullptr;
-    std::unique_ptr<DeviceVector> x, y;
+    std::unique_ptr<DeviceVector> x, y, b, r;
+    std::unique_ptr<DeviceSums> one, sums, more_sums;  ///< `one` holds ones
     Index columns = 1;
-
-    std::vector<double> coefficients(double value) const {
-        return std::vector<double>(columns, value);
-    }
 };
 
 struct Operation {
@@ -84,20 +89,27 @@ struct Operation {
 
 const std::vector<Operation>& operations() {
     static const std::vector<Operation> table = {
-        {"apply_stiffness", [](Bench& b) { b.backend->apply_stiffness(*b.x, *b.y); }, nullptr},
+        {"apply_stiffness", [](Bench& b) { b.backend->apply(b.backend->stiffness(), *b.x, *b.y); },
+         nullptr},
+        // The product within multigrid: also reads b and the diagonal blocks (not counted).
+        {"smooth",
+         [](Bench& b) { b.backend->smooth(b.backend->stiffness(), *b.b, *b.x, 1, 0, 0.5, *b.y); },
+         nullptr},
         {"internal_force", [](Bench& b) { b.backend->internal_force(*b.x, *b.y); },
          matrix_free_bytes},
-        {"block_jacobi", [](Bench& b) { b.backend->apply_block_jacobi(*b.x, *b.y); },
+        {"block_jacobi",
+         [](Bench& b) { b.backend->apply_inverse_diagonal(b.backend->stiffness(), 1, *b.x, *b.y); },
          block_jacobi_bytes},
-        {"axpby",
-         [](Bench& b) { b.backend->axpby(b.coefficients(0.5), *b.x, b.coefficients(0.5), *b.y); },
-         [](const Sizes& s) { return 3 * s.vector(); }},
-        {"dot",
+        // x += a p, r -= a q and r . r: four vectors read, two written.
+        {"advance",
          [](Bench& b) {
-             std::vector<double> result(b.columns);
-             b.backend->dot(*b.x, *b.y, result);
-             benchmark::DoNotOptimize(result.data());
+             b.backend->advance(*b.one, *b.one, *b.one, *b.sums, *b.x, *b.b, *b.y, *b.r,
+                                *b.more_sums);
          },
+         [](const Sizes& s) { return 6 * s.vector(); }},
+        {"turn", [](Bench& b) { b.backend->turn(*b.one, *b.one, *b.x, *b.y); },
+         [](const Sizes& s) { return 3 * s.vector(); }},
+        {"dot", [](Bench& b) { b.backend->dot(*b.x, *b.y, *b.more_sums); },
          [](const Sizes& s) { return 2 * s.vector(); }},
         // The matrix, written once.
         {"set_stiffness",
@@ -120,11 +132,17 @@ Bench make_bench(const std::string& name, const BackendOptions& options, const B
     bench.backend->prepare(mesh.model);
     const Index rows = mesh.model.num_dofs();
     bench.x = bench.backend->make_vector(rows, columns);
-    bench.y = bench.backend->make_vector(rows, columns);
+    for (auto* vector : {&bench.y, &bench.b, &bench.r}) {
+        *vector = bench.backend->make_vector(rows, columns);
+        bench.backend->fill(**vector, 0);
+    }
+    for (auto* sums : {&bench.one, &bench.sums, &bench.more_sums}) {
+        *sums = bench.backend->make_sums(columns);
+        bench.backend->set(**sums, std::vector<double>(columns, sums == &bench.one ? 1.0 : 0.0));
+    }
     std::vector<double> values(static_cast<std::size_t>(rows) * columns);
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sin(0.37 * double(i));
     bench.backend->copy_in(values, *bench.x);
-    bench.backend->fill(*bench.y, 0);
     return bench;
 }
 

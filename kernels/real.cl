@@ -43,12 +43,12 @@ typedef float wide;
 #define REAL_NAME double
 typedef double real;
 typedef double4 real4;
-typedef double16 real16;
+typedef double8 real8;
 #else
 #define REAL_NAME float
 typedef float real;
 typedef float4 real4;
-typedef float16 real16;
+typedef float8 real8;
 #endif
 
 #define JOIN_NOW(a, b) a##b
@@ -61,6 +61,8 @@ typedef wide wide_columns;
 #define LOAD_COLUMNS(pointer) (*(pointer))
 #define STORE_COLUMNS(value, pointer) (*(pointer) = (value))
 #define WIDEN_COLUMNS(value) ((wide)(value))
+#define NARROW_COLUMNS(value) ((real)(value))
+#define LOAD_WIDE_COLUMNS(pointer) (*(pointer))
 #define STORE_WIDE_COLUMNS(value, pointer) (*(pointer) = (value))
 #else
 typedef JOIN(REAL_NAME, COLUMN_WIDTH) columns;
@@ -68,6 +70,8 @@ typedef JOIN(WIDE_NAME, COLUMN_WIDTH) wide_columns;
 #define LOAD_COLUMNS(pointer) JOIN(vload, COLUMN_WIDTH)(0, pointer)
 #define STORE_COLUMNS(value, pointer) JOIN(vstore, COLUMN_WIDTH)(value, 0, pointer)
 #define WIDEN_COLUMNS(value) JOIN(convert_, JOIN(WIDE_NAME, COLUMN_WIDTH))(value)
+#define NARROW_COLUMNS(value) JOIN(convert_, JOIN(REAL_NAME, COLUMN_WIDTH))(value)
+#define LOAD_WIDE_COLUMNS(pointer) JOIN(vload, COLUMN_WIDTH)(0, pointer)
 #define STORE_WIDE_COLUMNS(value, pointer) JOIN(vstore, COLUMN_WIDTH)(value, 0, pointer)
 #endif
 

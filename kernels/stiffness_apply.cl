@@ -5,15 +5,16 @@
 // element. One work item: one element, COLUMN_WIDTH columns.
 //   elements     [num_elements, 4] node numbers
 //   region       [num_elements]
-//   geometry     [num_elements, ELEMENT_REALS]
+//   geometry     [num_elements, ELEMENT_REALS]; if RECOMPUTED the nodes [num_nodes, 3] mm instead
 //   unit_moduli  [num_materials, 2]
 //   stiffness    [num_materials] kPa
 //   prescribed   [3 num_nodes] 1 where the displacement is given: read as zero if CONSTRAINED
 //   x            [3 num_nodes, num_columns] mm
 //   forces       [num_elements, 4, 3, num_pass_columns] mN, slots of the element's own work items
-// Define: CONSTRAINED 0 or 1.
-#ifndef CONSTRAINED
-#error "CONSTRAINED must be defined"
+// Defines: CONSTRAINED 0 or 1; RECOMPUTED 1: gradients and volume from the node positions, which
+// saves reading them and costs arithmetic.
+#if !defined(CONSTRAINED) || !defined(RECOMPUTED)
+#error "CONSTRAINED and RECOMPUTED must be defined"
 #endif
 
 static inline vector3 load_node(global const real* x, global const uchar* prescribed, size_t node,
@@ -39,7 +40,11 @@ PALPATE_KERNEL void stiffness_apply(global const int* elements, global const int
     const size_t pass_column = column_of_item(0);
     if (element >= (size_t)num_elements || pass_column >= (size_t)num_pass_columns) return;
 
+#if RECOMPUTED
+    const element_shape shape = shape_of_nodes(geometry, elements + NODES_PER_ELEMENT * element);
+#else
     const element_shape shape = load_element(geometry, element);
+#endif
     tensor3 h;
 #pragma unroll
     for (int i = 0; i < 9; ++i) h.m[i] = (columns)(0);

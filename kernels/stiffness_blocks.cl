@@ -6,10 +6,10 @@
 // One work item: one node, which alone writes its block row.
 //   node_start    [num_nodes + 1] into node_corners
 //   node_corners  [4 num_elements] 4 element + local node
-//   corner_slots  [4 num_elements, 4] where the element's nodes stand in the block row of the
-//   corner row_start     [num_nodes + 1] into block_node and blocks block_node    [num_blocks] node
-//   of the block's column, ascending in each row blocks        [num_blocks, 9] mN/mm, column by
-//   column: entry (i, j) at 3 j + i
+//   corner_slots  [4 num_elements, 4] position of the element's nodes in the corner's block row
+//   row_start     [num_nodes + 1] into block_node and blocks
+//   block_node    [num_blocks] node of the block's column, ascending in each row
+//   blocks        [num_blocks, 9] mN/mm, column by column: entry (i, j) at 3 j + i
 PALPATE_KERNEL void stiffness_blocks(global const int* region, global const real* geometry,
                                      global const real* unit_moduli, global const real* stiffness,
                                      global const uchar* prescribed, global const int* node_start,

@@ -2,60 +2,35 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Vectors [num_rows, num_columns], column index fastest.
-
-// At most this many columns share one launch of `axpby`; the host has the same number.
-#define MAX_COEFFICIENTS 16
-
-typedef struct {
-    real value[MAX_COEFFICIENTS];
-} coefficients;
-
-// y[i] = value for i < count. One work item: one number.
-PALPATE_KERNEL void fill(global real* y, real value, ulong count) {
-    const size_t i = get_global_id(1);
-    if (i < count) y[i] = value;
-}
-
-// y_c = alpha_c x_c + beta_c y_c for the columns first_column ... of this launch, whose
-// coefficients start at entry 0. Where beta_c is 0 the old y does not matter (it may be NaN). x and
-// y may be the same. One work item: one row, COLUMN_WIDTH columns.
-PALPATE_KERNEL void axpby(coefficients alpha, global const real* x, coefficients beta,
-                          global real* y, int num_rows, int num_columns, int first_column) {
-    const size_t row = get_global_id(1);
-    const size_t column = column_of_item(first_column);
-    if (row >= (size_t)num_rows || column >= (size_t)num_columns) return;
-
-    const size_t c = column_of_item(0);
-    const size_t at = row * num_columns + column;
-    const columns a = LOAD_COLUMNS(alpha.value + c);
-    const columns b = LOAD_COLUMNS(beta.value + c);
-    const columns scaled_x = a * LOAD_COLUMNS(x + at);
-    const columns scaled_y = b * LOAD_COLUMNS(y + at);
-    STORE_COLUMNS(b == (columns)(0) ? scaled_x : scaled_x + scaled_y, y + at);
-}
-
-// Partial sums of x_c y_c: the host adds the [num_parts, num_columns] results in ascending order.
-// One work item: one part of the rows, COLUMN_WIDTH columns; parts are contiguous rows on a CPU and
-// every num_parts-th row elsewhere.
-PALPATE_KERNEL void dot_parts(global const real* x, global const real* y, global wide* parts,
-                              int num_rows, int num_columns, int first_column, int num_parts) {
-    const size_t part = get_global_id(1);
-    const size_t column = column_of_item(first_column);
-    if (part >= (size_t)num_parts || column >= (size_t)num_columns) return;
-
-#if DEVICE_IS_CPU
-    const size_t begin = part * num_rows / num_parts;
-    const size_t end = (part + 1) * num_rows / num_parts;
-    const size_t step = 1;
-#else
-    const size_t begin = part;
-    const size_t end = num_rows;
-    const size_t step = num_parts;
+// Define: FROM_IS_DOUBLE, the numbers that `copy_columns` reads.
+#ifndef FROM_IS_DOUBLE
+#define FROM_IS_DOUBLE REAL_IS_DOUBLE
 #endif
-    wide_columns sum = (wide_columns)(0);
-    for (size_t row = begin; row < end; row += step) {
-        const size_t at = row * num_columns + column;
-        sum += WIDEN_COLUMNS(LOAD_COLUMNS(x + at)) * WIDEN_COLUMNS(LOAD_COLUMNS(y + at));
-    }
-    STORE_WIDE_COLUMNS(sum, parts + part * num_columns + column);
+#if FROM_IS_DOUBLE
+typedef double from_real;
+#else
+typedef float from_real;
+#endif
+
+// y[i] = value for first <= i < end. One work item: one number.
+PALPATE_KERNEL void fill(global real* y, real value, ulong first, ulong end) {
+    const size_t i = first + get_global_id(1);
+    if (i < end) y[i] = value;
+}
+
+// to[row, to_column[i]] = from[row, from_column[i]] for i < count. One work item: one row.
+PALPATE_KERNEL void copy_columns(global const from_real* from, global const int* from_column,
+                                 int num_from_columns, global real* to, global const int* to_column,
+                                 int num_to_columns, int num_rows, int count) {
+    const size_t row = get_global_id(1);
+    if (row >= (size_t)num_rows) return;
+    for (int i = 0; i < count; ++i)
+        to[row * num_to_columns + to_column[i]] =
+            (real)from[row * num_from_columns + from_column[i]];
+}
+
+// to = from, `count` numbers. One work item: one number.
+PALPATE_KERNEL void copy_all(global const from_real* from, global real* to, ulong count) {
+    const size_t i = get_global_id(1);
+    if (i < count) to[i] = (real)from[i];
 }

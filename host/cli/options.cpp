@@ -5,11 +5,21 @@
 #include "solver/backend/registry.hpp"
 
 namespace palpate {
+namespace {
+
+LinearMethod method_named(const std::string& name) {
+    for (const LinearMethod method :
+         {LinearMethod::multigrid, LinearMethod::jacobi, LinearMethod::direct})
+        if (name == name_of(method)) return method;
+    return LinearMethod::automatic;
+}
+
+}  // namespace
 
 void add_solver_options(CLI::App& command, SolverArguments& arguments) {
     command
         .add_option("--backend", arguments.backend,
-                    "Who computes: auto (OpenCL), opencl, or reference (host, direct solver)")
+                    "Who computes: auto (OpenCL), opencl, or reference (host)")
         ->check(CLI::IsMember({"auto", "opencl", "reference"}))
         ->capture_default_str();
     command.add_option("--device", arguments.device,
@@ -22,8 +32,16 @@ void add_solver_options(CLI::App& command, SolverArguments& arguments) {
         ->capture_default_str();
     command
         .add_option("--product", arguments.product,
-                    "Stiffness product on the device: assembled or matrix-free")
-        ->check(CLI::IsMember({"assembled", "matrix-free"}))
+                    "Stiffness product on the device: assembled, matrix-free (stored gradients), "
+                    "recomputed (from node positions), or auto: the fastest, measured at first use")
+        ->check(CLI::IsMember({"auto", "assembled", "matrix-free", "recomputed"}))
+        ->capture_default_str();
+    command
+        .add_option("--linear-solver", arguments.linear_solver,
+                    "How equations are solved: auto (by size, number of columns and device), "
+                    "multigrid (large meshes), jacobi (little memory), or direct (on the host; "
+                    "many columns, small meshes)")
+        ->check(CLI::IsMember({"auto", "multigrid", "jacobi", "direct"}))
         ->capture_default_str();
 }
 
@@ -51,8 +69,10 @@ LinearSolverOptions solver_options(const SolverArguments& arguments) {
     options.device.device = arguments.device;
     options.device.precision =
         arguments.precision == "double" ? Precision::double_ : Precision::single;
-    options.device.product =
-        arguments.product == "assembled" ? Product::assembled : Product::matrix_free;
+    for (Product product :
+         {Product::automatic, Product::assembled, Product::matrix_free, Product::recomputed})
+        if (name_of(product) == arguments.product) options.device.product = product;
+    options.method = method_named(arguments.linear_solver);
     make_backend(options.backend, options.device);  // a missing device is told before any work
     return options;
 }

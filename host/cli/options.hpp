@@ -16,7 +16,8 @@ struct SolverArguments {
     std::string backend = "auto";
     std::string device;
     std::string precision = "single";
-    std::string product = "assembled";
+    std::string product = "auto";
+    std::string linear_solver = "auto";
 };
 
 struct MesherArguments {

@@ -103,7 +103,7 @@ Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElas
     if (!deformation.solve.converged) {
         throw Error(ErrorCode::solve_failed,
                     "The phantom's true displacement could not be solved for: " +
-                        deformation.solve.message + " Try --backend reference or fewer nodes.");
+                        deformation.solve.message + " Try --linear-solver direct or fewer nodes.");
     }
     deformation.displacement.resize(mesh.mesh.nodes.size());
     for (Index n = 0; n < mesh.mesh.num_nodes(); ++n) {

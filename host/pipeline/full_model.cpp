@@ -53,7 +53,7 @@ void check_against_condensed(const Recovered& found) {
     if (difference > condensed_tolerance * std::max(largest, 1e-3)) {
         throw Error(ErrorCode::solve_failed,
                     fmt::format("the full model differs from the condensed one by {:.2g} mm; try "
-                                "--precision double or --backend reference",
+                                "--precision double or --linear-solver direct",
                                 difference));
     }
 }
@@ -76,7 +76,7 @@ void solve_full_model(Recovered& found, const LinearSolverOptions& options,
         throw Error(
             ErrorCode::solve_failed,
             fmt::format("the final solve reached a relative residual of {:.1e} instead of "
-                        "{:.1e} ({}); try --precision double or --backend reference",
+                        "{:.1e} ({}); try --precision double or --linear-solver direct",
                         summary.relative_residual, options.relative_tolerance, summary.message));
     }
     found.displacement = solution.col(0);

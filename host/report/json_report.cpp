@@ -126,7 +126,7 @@ Json device_json(const BackendInfo& d) {
             {"name", d.device},
             {"version", d.version},
             {"precision", d.precision == Precision::single ? "single" : "double"},
-            {"product", d.product == Product::assembled ? "assembled" : "matrix-free"},
+            {"product", name_of(d.product)},
             {"compute_units", d.compute_units}};
 }
 

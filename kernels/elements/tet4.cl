@@ -48,3 +48,34 @@ static inline void store_element(global const real* edges, global real* geometry
             geometry[ELEMENT_REALS * element + 3 * a + c] = (real)(n[a][c] / determinant);
     geometry[ELEMENT_REALS * element + 9] = (real)(determinant / (wide)6);
 }
+
+// The same from node positions [num_nodes, 3], mm about the middle of the mesh, in `real`.
+static inline element_shape shape_of_nodes(global const real* positions, global const int* nodes) {
+    real d[3][3];
+    global const real* origin = positions + 3 * nodes[0];
+#pragma unroll
+    for (int a = 0; a < 3; ++a)
+#pragma unroll
+        for (int c = 0; c < 3; ++c) d[a][c] = positions[3 * nodes[a + 1] + c] - origin[c];
+    element_shape shape;
+#pragma unroll
+    for (int a = 0; a < 3; ++a) {
+        const real* u = d[(a + 1) % 3];
+        const real* v = d[(a + 2) % 3];
+        shape.gradient[a + 1][0] = u[1] * v[2] - u[2] * v[1];
+        shape.gradient[a + 1][1] = u[2] * v[0] - u[0] * v[2];
+        shape.gradient[a + 1][2] = u[0] * v[1] - u[1] * v[0];
+    }
+    const real determinant = d[0][0] * shape.gradient[1][0] + d[0][1] * shape.gradient[1][1] +
+                             d[0][2] * shape.gradient[1][2];
+    const real scale = 1 / determinant;
+#pragma unroll
+    for (int c = 0; c < 3; ++c) {
+#pragma unroll
+        for (int a = 1; a < NODES_PER_ELEMENT; ++a) shape.gradient[a][c] *= scale;
+        shape.gradient[0][c] =
+            -(shape.gradient[1][c] + shape.gradient[2][c] + shape.gradient[3][c]);
+    }
+    shape.volume = determinant / 6;
+    return shape;
+}

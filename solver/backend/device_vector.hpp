@@ -23,4 +23,19 @@ private:
     Index columns_;
 };
 
+/// One number per column that stays on the device, as partial sums: what lets an iteration depend
+/// on inner products without waiting for the host.
+class DeviceSums {
+public:
+    explicit DeviceSums(Index columns) : columns_(columns) {}
+    virtual ~DeviceSums() = default;
+    DeviceSums(const DeviceSums&) = delete;
+    DeviceSums& operator=(const DeviceSums&) = delete;
+
+    Index columns() const { return columns_; }
+
+private:
+    Index columns_;
+};
+
 }  // namespace palpate

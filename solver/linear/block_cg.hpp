@@ -2,39 +2,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "solver/linear/linear_solver.hpp"
+#include "solver/linear/preconditioner.hpp"
 
 namespace palpate {
 
-/// Conjugate gradients on the operations of `Backend`, preconditioned with the inverse 3x3 diagonal
-/// blocks (Saad, Iterative Methods for Sparse Linear Systems, 2003, algorithm 9.1), for several
-/// independent columns that share each pass over the mesh: every column has its own step lengths,
-/// and a converged column stands still.
+/// Preconditioned conjugate gradients on the operations of `Backend` (Saad, Iterative Methods for
+/// Sparse Linear Systems, 2003, algorithm 9.1) for several independent columns that share each pass
+/// over the mesh. Step lengths stay on the device; the host looks at the residuals only when some
+/// column should be done, by the rate seen so far. A converged column stands still, and once half
+/// of them have converged the others go on in narrower vectors.
 class BlockCg {
 public:
-    /// `backend` is prepared and outlives this object. Allocates five vectors on the device.
-    BlockCg(Backend& backend, Index rows, Index columns);
+    /// `backend` is prepared; both outlive this object.
+    BlockCg(Backend& backend, Preconditioner& preconditioner);
 
     /// Solves K dx = r with the constrained K, starting at zero.
-    ///   r, dx      [rows, columns], 0 at prescribed dofs
-    ///   target     [columns] |r - K dx| to reach; a column whose |r| is below stays at zero
+    ///   r, dx   [rows, columns], 0 at prescribed dofs
+    ///   target  [columns] |r - K dx| to reach; a column whose |r| is below stays at zero
     /// Returns the number of iterations, at most `max_iterations`. A column also stops when p . K p
     /// is not positive (rounding has eaten it). Throws Error(solve_failed) on NaN.
     int solve(const Columns& r, std::span<const double> target, int max_iterations, Columns& dx);
 
 private:
+    struct Workspace {
+        std::unique_ptr<DeviceVector> x, r, z, p, q;
+        std::array<std::unique_ptr<DeviceSums>, 2> rz, rr;
+        std::unique_ptr<DeviceSums> pq, limit;
+    };
+    class Run;
+
+    std::unique_ptr<Workspace> make_workspace(Index columns);
+    /// The workspace of full width, kept from solve to solve.
+    Workspace& full_workspace(Index columns);
+
     Backend& backend_;
-    std::unique_ptr<DeviceVector> r_, z_, p_, q_, x_;
+    Preconditioner& preconditioner_;
+    std::unique_ptr<Workspace> full_;
 };
 
-/// Block CG on `backend`, wrapped in iterative refinement: residuals are computed on the host in
-/// fp64 until every column meets the tolerance (Higham, Accuracy and Stability of Numerical
-/// Algorithms, 2002, chapter 12), whatever the precision of the device.
-std::unique_ptr<LinearSolver> make_block_cg_solver(const Model& model,
-                                                   std::unique_ptr<Backend> backend,
-                                                   const LinearSolverOptions& options,
-                                                   std::string reason = "asked for");
+/// Smallest number of columns >= `columns` for which the back ends have wide loads: 1, 4, 8, 16 and
+/// multiples of 16.
+Index padded_columns(Index columns);
 
 }  // namespace palpate

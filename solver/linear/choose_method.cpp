@@ -5,41 +5,53 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/linear/sparse_factor.hpp"
+
 namespace palpate {
 namespace {
 
-// Medians on two x86-64 cores with AVX-512 (docs/performance.md); sizes scale from the seed scene,
-// 18,000 degrees of freedom. In three dimensions a factor has about n^(4/3) entries and takes n^2
-// operations, and Jacobi iterations grow as n^(1/3).
+// Medians on two x86-64 cores with AVX-512 on cubes of tetrahedra, in seconds. Sizes are relative
+// to the seed scene.
 constexpr double seed_dofs = 18000;
-constexpr double entries_exponent = 4.0 / 3.0;
 
-// Eigen LDLT: 0.3 s at 6.6k, 6 s at 20.6k degrees of freedom; a column of 16 1.1 ms and 6.4 ms.
-constexpr double factor_seconds = 4.5;
-constexpr double factor_exponent = 2.5;
-constexpr double direct_column_seconds = 5.4e-3;
+/// What a library takes: set-up = linear s + power s^exponent and `column` s^entries_exponent per
+/// column, with s the size.
+struct DirectCost {
+    double linear, power, exponent, column;
+};
 
-// Jacobi CG through PoCL to 1e-8: 10 ms at 6.6k, 48 ms at 20.6k for each of 16 columns, and a
-// single column as much as seven of them.
-constexpr double jacobi_column_seconds = 40e-3;
+// 6.6k, 17.5k, 89k degrees of freedom: set-up 0.08, 0.28, 3.8 s; each of many columns on two
+// threads 0.4, 0.75, 8 ms.
+constexpr DirectCost cholmod_cost{0.196, 0.104, 2, 0.8e-3};
+// 6.6k, 17.5k: set-up 0.36, 3.5 s; each of many columns 0.9, 2.7 ms.
+constexpr DirectCost eigen_cost{0, 3.6, 2.4, 2.7e-3};
+
+// Factor of CHOLMOD: 62 MB at 17.5k, 660 MB at 89k; a desktop has to keep room for the rest.
+constexpr double entries_exponent = 1.45;
+constexpr double factor_gib = 0.06;
+constexpr double largest_factor_gib = 4;
+
+// Jacobi CG through PoCL to 1e-8: each of 16 columns 10 ms at 6.6k and 48 ms at 20.6k; a single
+// column as much as seven of them. Iterations grow as n^(1/3).
+constexpr double jacobi_column = 40e-3;
+constexpr double jacobi_exponent = 4.0 / 3.0;
 constexpr Index fewest_jacobi_columns = 7;
 constexpr double gpu_speedup = 10;  ///< of a pass over the mesh: memory bandwidth, not measured
 
-// 0.1 GB of factor for the seed scene; a desktop has to keep room for the rest of the recovery.
-constexpr double factor_gib = 0.1;
-constexpr double largest_factor_gib = 4;
-
-double entries_scale(Index num_dofs) { return std::pow(num_dofs / seed_dofs, entries_exponent); }
-
-double direct_seconds(Index num_dofs, Index columns) {
-    return factor_seconds * std::pow(num_dofs / seed_dofs, factor_exponent) +
-           columns * direct_column_seconds * entries_scale(num_dofs);
+double direct_seconds(const DirectCost& cost, double size, Index columns) {
+    return cost.linear * size + cost.power * std::pow(size, cost.exponent) +
+           columns * cost.column * std::pow(size, entries_exponent);
 }
 
-double jacobi_seconds(Index num_dofs, Index columns, const BackendInfo& device) {
+double jacobi_seconds(double size, Index columns, const BackendInfo& device) {
     const double seconds =
-        std::max(columns, fewest_jacobi_columns) * jacobi_column_seconds * entries_scale(num_dofs);
+        std::max(columns, fewest_jacobi_columns) * jacobi_column * std::pow(size, jacobi_exponent);
     return device.type == "GPU" ? seconds / gpu_speedup : seconds;
+}
+
+const DirectCost& direct_cost(const std::string& library) {
+    const std::string& name = library.empty() ? sparse_factor_names().front() : library;
+    return name == "cholmod" ? cholmod_cost : eigen_cost;
 }
 
 /// 17646 -> "17,646".
@@ -70,10 +82,12 @@ MethodChoice choose_method(const LinearSolverOptions& options, Index num_dofs,
         return {LinearMethod::direct, "the reference back end solves directly"};
     const std::string size = counted(num_dofs, "degree of freedom", "degrees of freedom") +
                              " and " + counted(options.expected_columns, "column", "columns");
-    if (factor_gib * entries_scale(num_dofs) > largest_factor_gib)
+    const double relative = num_dofs / seed_dofs;
+    if (factor_gib * std::pow(relative, entries_exponent) > largest_factor_gib)
         return {LinearMethod::jacobi, size + ": a factor would not fit into memory"};
-    if (direct_seconds(num_dofs, options.expected_columns) <
-        jacobi_seconds(num_dofs, options.expected_columns, device))
+    const double direct =
+        direct_seconds(direct_cost(options.direct_library), relative, options.expected_columns);
+    if (direct < jacobi_seconds(relative, options.expected_columns, device))
         return {LinearMethod::direct, size + ": factorising once on the host is cheapest"};
     return {LinearMethod::jacobi, size + ": a factorisation would not pay"};
 }

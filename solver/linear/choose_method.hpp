@@ -15,7 +15,7 @@ struct MethodChoice {
 
 /// What `options.method` asks for, or for `automatic` the method that is expected to be done first
 /// with `options.expected_columns` right-hand sides, set-up included, on `device`.
-/// Pure: the same arguments always give the same choice, on every machine.
+/// Pure: in one build the same arguments give the same choice on every machine.
 MethodChoice choose_method(const LinearSolverOptions& options, Index num_dofs,
                            const BackendInfo& device);
 

@@ -2,62 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/linear/direct.hpp"
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <mutex>
 
 #include "solver/base/error.hpp"
-#include "solver/base/multiversion.hpp"
 #include "solver/base/parallel.hpp"
+#include "solver/base/serial_blas.hpp"
 #include "solver/linear/constrained_system.hpp"
+#include "solver/linear/sparse_factor.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr Index batch_width = 16;  ///< columns that share one pass over the factor: two cache lines
-constexpr double smallest_pivot_ratio = 1e-14;  ///< below: a mechanism, not a stiff structure
 constexpr int max_refinement_steps = 2;
-
-using Sparse = Eigen::SparseMatrix<double>;
-using Batch = Eigen::Matrix<double, Eigen::Dynamic, batch_width, Eigen::RowMajor>;
-
-/// x := L^-1 x for the unit lower triangle L in compressed columns; x [n, batch_width]. Columns of
-/// L that meet a zero row of x are skipped: right-hand sides of few entries stay cheap.
-PALPATE_MULTIVERSION
-void solve_lower(Index n, const int* offset, const int* row, const double* value, double* x) {
-    for (Index j = 0; j < n; ++j) {
-        double xj[batch_width];
-        bool is_zero = true;
-        for (Index c = 0; c < batch_width; ++c) {
-            xj[c] = x[static_cast<std::size_t>(j) * batch_width + c];
-            is_zero = is_zero && xj[c] == 0;
-        }
-        if (is_zero) continue;
-        for (int p = offset[j]; p < offset[j + 1]; ++p) {
-            double* xi = x + static_cast<std::size_t>(row[p]) * batch_width;
-            for (Index c = 0; c < batch_width; ++c) xi[c] -= value[p] * xj[c];
-        }
-    }
-}
-
-/// x := L^-T x.
-PALPATE_MULTIVERSION
-void solve_lower_transposed(Index n, const int* offset, const int* row, const double* value,
-                            double* x) {
-    for (Index j = n - 1; j >= 0; --j) {
-        double xj[batch_width];
-        for (Index c = 0; c < batch_width; ++c)
-            xj[c] = x[static_cast<std::size_t>(j) * batch_width + c];
-        for (int p = offset[j]; p < offset[j + 1]; ++p) {
-            const double* xi = x + static_cast<std::size_t>(row[p]) * batch_width;
-            for (Index c = 0; c < batch_width; ++c) xj[c] -= value[p] * xi[c];
-        }
-        for (Index c = 0; c < batch_width; ++c)
-            x[static_cast<std::size_t>(j) * batch_width + c] = xj[c];
-    }
-}
 
 /// Nodes of no tetrahedron have no stiffness and stay where they are.
 std::vector<Index> number_free_dofs(const ConstrainedSystem& system, Index& num_free) {
@@ -72,9 +31,9 @@ std::vector<Index> number_free_dofs(const ConstrainedSystem& system, Index& num_
 }
 
 /// The lower triangle of K on the free dofs; K is symmetric, so its columns are read off as rows.
-Sparse free_stiffness(const StiffnessMatrix& stiffness, const std::vector<Index>& number,
-                      Index num_free) {
-    Sparse lower(num_free, num_free);
+SparseFactor::Lower free_stiffness(const StiffnessMatrix& stiffness,
+                                   const std::vector<Index>& number, Index num_free) {
+    SparseFactor::Lower lower(num_free, num_free);
     lower.reserve(static_cast<Eigen::Index>(stiffness.blocks.size()) / 2 + num_free);
     const Adjacency& graph = stiffness.graph;
     for (Index d = 0; d < static_cast<Index>(number.size()); ++d) {
@@ -98,7 +57,8 @@ public:
         : options_(options),
           reason_(std::move(reason)),
           system_(model),
-          number_(number_free_dofs(system_, num_free_)) {
+          number_(number_free_dofs(system_, num_free_)),
+          factor_(make_sparse_factor(options.direct_library)) {
         factorise();
     }
 
@@ -107,10 +67,8 @@ public:
         host.backend = "reference";
         host.device = "host";
         host.compute_units = num_host_threads();
-        host.version = "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
-                       std::to_string(EIGEN_MAJOR_VERSION) + "." +
-                       std::to_string(EIGEN_MINOR_VERSION);
-        return {host, LinearMethod::direct, host.version + " LDLT", reason_};
+        host.version = factor_->library();
+        return {host, LinearMethod::direct, factor_->library(), reason_};
     }
 
     void set_stiffness(std::span<const double> stiffness_kpa) override {
@@ -127,15 +85,18 @@ public:
                             " degrees of freedom.");
         x.resize(b.rows(), b.cols());
         const Index columns = static_cast<Index>(b.cols());
-        const Index batches = (columns + batch_width - 1) / batch_width;
+        const Index per_thread = (columns + num_host_threads() - 1) / num_host_threads();
+        const Index width = factor_->block_width(per_thread);
+        const Index batches = (columns + width - 1) / width;
         LinearSolverSummary summary;
         std::mutex merge;
         std::atomic<Index> next{0};
+        const SerialBlas serial;
         parallel_ranges(batches, 1, [&](Index, Index) {
             for (Index batch = next++; batch < batches; batch = next++) {
-                const Index first = batch * batch_width;
+                const Index first = batch * width;
                 const LinearSolverSummary part =
-                    solve_batch(b, x, first, std::min(batch_width, columns - first));
+                    solve_batch(b, x, first, std::min(width, columns - first));
                 const std::lock_guard lock(merge);
                 summary.relative_residual =
                     std::max(summary.relative_residual, part.relative_residual);
@@ -150,16 +111,10 @@ public:
 private:
     void factorise() {
         if (num_free_ == 0) return;
-        const Sparse lower = free_stiffness(system_.stiffness(), number_, num_free_);
-        if (!analysed_) factor_.analyzePattern(lower);
+        const SparseFactor::Lower lower = free_stiffness(system_.stiffness(), number_, num_free_);
+        if (!analysed_) factor_->analyse(lower);
         analysed_ = true;
-        factor_.factorize(lower);
-        const auto pivots = factor_.vectorD();
-        if (factor_.info() != Eigen::Success ||
-            !(pivots.minCoeff() > smallest_pivot_ratio * pivots.maxCoeff()))
-            throw Error(ErrorCode::solve_failed,
-                        "The stiffness matrix is singular: a part of the mesh is free to move "
-                        "rigidly; prescribe the displacement of at least three of its nodes.");
+        factor_->factorise(lower);
     }
 
     LinearSolverSummary solve_batch(const Columns& b, Columns& x, Index first, Index width) const {
@@ -186,20 +141,16 @@ private:
     /// u_f += K_ff^-1 r_f
     void add_correction(const Columns& r, Columns& u) const {
         if (num_free_ == 0) return;
-        const auto& position = factor_.permutationP().indices();
-        Batch y = Batch::Zero(num_free_, batch_width);
+        const std::vector<int>& position = factor_->position();
+        FactorBlock y(num_free_, factor_->block_width(static_cast<Index>(r.cols())));
         for (Index d = 0; d < r.rows(); ++d)
-            if (number_[d] >= 0) y.row(position[number_[d]]).head(r.cols()) = r.row(d);
-
-        const auto& lower = factor_.matrixL().nestedExpression();
-        solve_lower(num_free_, lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(),
-                    y.data());
-        y.array().colwise() /= factor_.vectorD().array();
-        solve_lower_transposed(num_free_, lower.outerIndexPtr(), lower.innerIndexPtr(),
-                               lower.valuePtr(), y.data());
-
+            if (number_[d] >= 0)
+                std::copy_n(r.row(d).data(), r.cols(), y.row(position[number_[d]]));
+        factor_->solve(y);
         for (Index d = 0; d < r.rows(); ++d)
-            if (number_[d] >= 0) u.row(d) += y.row(position[number_[d]]).head(r.cols());
+            if (number_[d] >= 0)
+                u.row(d) +=
+                    Eigen::Map<const Eigen::RowVectorXd>(y.row(position[number_[d]]), r.cols());
     }
 
     static double largest_ratio(const std::vector<double>& norms,
@@ -224,7 +175,7 @@ private:
     ConstrainedSystem system_;
     Index num_free_ = 0;
     std::vector<Index> number_;  ///< [num_dofs], number among the free dofs, or -1
-    Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> factor_;
+    std::unique_ptr<SparseFactor> factor_;
     bool analysed_ = false;
 };
 

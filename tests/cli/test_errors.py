@@ -37,6 +37,11 @@ def test_an_unknown_option_is_a_usage_error(phantom, out):
     fails_cleanly(run_palpate(*recover_arguments(phantom, out, "--bogus")), out, 2, "--bogus")
 
 
+def test_an_unknown_linear_solver_is_a_usage_error(phantom, out):
+    finished = run_palpate(*recover_arguments(phantom, out, "--linear-solver", "magic"))
+    fails_cleanly(finished, out, 2, "--linear-solver", "magic", "multigrid", "direct")
+
+
 def test_a_missing_input_file_is_named(phantom, out):
     finished = run_palpate(*recover_arguments(phantom, out, reference="nowhere.nii.gz"))
     fails_cleanly(finished, out, 3, "nowhere.nii.gz")

@@ -83,6 +83,28 @@ def test_the_host_back_end_gives_the_same_modulus(phantom, result, tmp_path):
                                                             rel=1e-2)
 
 
+def test_the_result_says_who_solved_and_why(result):
+    out, report = result
+    stages = report["linear_solver"]
+    assert set(stages) == {"condensing", "solving"}
+    assert stages["condensing"]["method"] == "direct"  # hundreds of columns for one factor
+    assert stages["condensing"]["device"] == "host" and stages["condensing"]["library"]
+    assert "columns" in stages["condensing"]["reason"]
+    for stage in stages.values():
+        assert stage["method"] in ("multigrid", "jacobi", "direct")
+    assert stages["condensing"]["library"] in (out / "report.html").read_text()
+
+
+@pytest.mark.parametrize("method", ["jacobi", "direct"])
+def test_every_linear_solver_gives_the_same_modulus(phantom, result, tmp_path, method):
+    _, report = result
+    again = recovered(phantom, tmp_path / "out", "--linear-solver", method)
+    assert {stage["method"] for stage in again["linear_solver"].values()} == {method}
+    assert again["linear_solver"]["condensing"]["reason"].startswith("asked for")
+    assert prostate(again)["stiffness_kpa"] == pytest.approx(prostate(report)["stiffness_kpa"],
+                                                             rel=1e-2)
+
+
 def test_a_ready_mesh_gives_the_same_modulus(phantom, result, tmp_path):
     out, report = result
     again = recovered(phantom, tmp_path / "out", "--mesh", out / "mesh.vtu")

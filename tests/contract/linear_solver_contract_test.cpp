@@ -4,13 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include "solver/linear/block_cg.hpp"
 #include "solver/linear/direct.hpp"
+#include "solver/linear/sparse_factor.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/meshes.hpp"
 
-// One body for every linear solver: direct, and block CG on every back end of the registry.
+// One body for every linear solver: every direct library, and block CG on every back end of the
+// registry.
 namespace palpate {
 namespace {
 
@@ -19,22 +20,28 @@ using fixtures::random_columns;
 
 struct Case {
     std::string name;
+    std::string direct_library;  ///< empty: block CG on `backend`
     std::string backend;
-    Precision precision;
-    Product product;
+    LinearMethod method = LinearMethod::direct;
+    Precision precision = Precision::double_;
+    Product product = Product::assembled;
 };
 
 std::vector<Case> every_case() {
-    std::vector<Case> cases = {{"direct", "", Precision::double_, Product::assembled}};
+    std::vector<Case> cases;
+    for (const std::string& library : sparse_factor_names())
+        cases.push_back({"direct_" + library, library, ""});
     for (const std::string& backend : fixtures::backend_names())
-        for (Product product : {Product::assembled, Product::matrix_free}) {
-            const std::string tail = product == Product::assembled ? "_assembled" : "_matrix_free";
-            cases.push_back(
-                {"cg_" + backend + "_double" + tail, backend, Precision::double_, product});
-            if (backend != "reference")
-                cases.push_back(
-                    {"cg_" + backend + "_single" + tail, backend, Precision::single, product});
-        }
+        for (LinearMethod method : {LinearMethod::jacobi, LinearMethod::multigrid})
+            for (Precision precision : {Precision::double_, Precision::single})
+                for (Product product : {Product::assembled, Product::matrix_free}) {
+                    if (backend == "reference" && precision == Precision::single) continue;
+                    const bool is_assembled = product == Product::assembled;
+                    cases.push_back({std::string(name_of(method)) + "_" + backend +
+                                         (precision == Precision::double_ ? "_double" : "_single") +
+                                         (is_assembled ? "_assembled" : "_matrix_free"),
+                                     "", backend, method, precision, product});
+                }
     return cases;
 }
 
@@ -43,7 +50,7 @@ constexpr double answer_tolerance = 1e-6;  ///< residual 1e-8 times the conditio
 class LinearSolverContract : public testing::TestWithParam<Case> {
 protected:
     void SetUp() override {
-        if (GetParam().backend.empty()) return;
+        if (!GetParam().direct_library.empty()) return;
         if (const auto reason = fixtures::reason_to_skip(GetParam().backend, device_options()))
             GTEST_SKIP() << *reason;
     }
@@ -54,13 +61,16 @@ protected:
 
     static std::unique_ptr<LinearSolver> make(const Model& model,
                                               LinearSolverOptions options = {}) {
-        if (GetParam().backend.empty()) return make_direct_solver(model, options);
-        return make_block_cg_solver(model, make_backend(GetParam().backend, device_options()),
-                                    options);
+        options.method = GetParam().method;
+        options.direct_library = GetParam().direct_library;
+        options.backend = GetParam().direct_library.empty() ? GetParam().backend : "reference";
+        options.device = device_options();
+        return make_linear_solver(model, options);
     }
 
     static Columns exact(const Model& model, const Columns& b) {
         LinearSolverOptions options;
+        options.direct_library = "eigen";
         options.relative_tolerance = 1e-13;
         Columns x;
         make_direct_solver(model, options)->solve(b, x);
@@ -107,6 +117,22 @@ TEST_P(LinearSolverContract, MeetsTheToleranceForAnyNumberOfColumns) {
         EXPECT_LE(worst_residual(model, b, x), 1.01 * options.relative_tolerance);
         EXPECT_LT((x - exact(model, b)).norm(), answer_tolerance * x.norm());
     }
+}
+
+TEST_P(LinearSolverContract, AgreesWithTheReferenceToManyDigits) {
+    const Model model = fixtures::two_tissue_model({9, 10, 11});
+    const Columns b = random_columns(model.num_dofs(), 5, 9);
+    LinearSolverOptions options;
+    options.relative_tolerance = 1e-12;
+    Columns x;
+
+    const LinearSolverSummary summary = make(model, options)->solve(b, x);
+
+    // Single precision is refined in double on the host: both reach the same digits.
+    EXPECT_TRUE(summary.converged) << summary.message << " at " << summary.relative_residual;
+    const Columns expected = exact(model, b);
+    for (Index c = 0; c < x.cols(); ++c)
+        EXPECT_LT((x.col(c) - expected.col(c)).norm(), 1e-8 * expected.col(c).norm()) << c;
 }
 
 TEST_P(LinearSolverContract, TakesPrescribedDisplacementsFromTheRightHandSide) {

@@ -84,6 +84,7 @@ std::shared_ptr<OpenclDevice> open(const FoundDevice& found) {
     opened->has_double = found.info.has_double;
     opened->max_allocation = found.device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
     opened->context = cl::Context(found.device);
+    opened->queue = cl::CommandQueue(opened->context, found.device);
     opened->programs =
         std::make_unique<ProgramCache>(opened->context, found.device, default_cache_folder());
     return opened;

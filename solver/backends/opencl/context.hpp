@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "solver/backend/product_choice.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/backends/opencl/opencl_api.hpp"
 #include "solver/backends/opencl/program_cache.hpp"
@@ -17,7 +18,9 @@ struct OpenclDevice {
     DeviceInfo info;
     cl::Device device;
     cl::Context context;
+    cl::CommandQueue queue;  ///< in order, shared by all precisions
     std::unique_ptr<ProgramCache> programs;
+    ProductChoices choices;  ///< of Product::automatic, also kept beside the programs
     bool is_cpu = false;
     bool has_double = false;
     std::size_t max_allocation = 0;  ///< bytes in one buffer

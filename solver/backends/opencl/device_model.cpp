@@ -2,14 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/backends/opencl/device_model.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t max_pass_columns = 16;  // columns whose element forces are held at a time
-constexpr Index element_reals = 10;           // ELEMENT_REALS of elements/tet4.cl
-constexpr std::size_t block_padding = 3;      // reals that block_csr.cl may read past the end
+constexpr std::size_t max_forces_bytes = std::size_t(256) << 20;
+constexpr Index element_reals = 10;         // ELEMENT_REALS of elements/tet4.cl
+constexpr std::size_t gathered_reals = 72;  // some 24 corners of 3 reals per node
 constexpr Index tets_per_chunk_cpu = 512;
 constexpr Index tets_per_chunk_gpu = 32;
 
@@ -20,6 +26,22 @@ std::vector<double> unit_moduli(const std::vector<LinearElastic>& materials) {
         moduli.push_back(m.unit_mu());
     }
     return moduli;
+}
+
+/// Node positions about their middle, where rounding to single precision costs least.
+std::vector<double> centred_nodes(const Mesh& mesh) {
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+    if (!mesh.nodes.empty()) low = high = mesh.nodes.front();
+    for (const Vec3& x : mesh.nodes) {
+        low = low.cwiseMin(x);
+        high = high.cwiseMax(x);
+    }
+    const Vec3 middle = 0.5 * (low + high);
+    std::vector<double> nodes;
+    nodes.reserve(3 * mesh.nodes.size());
+    for (const Vec3& x : mesh.nodes)
+        for (int c = 0; c < 3; ++c) nodes.push_back(x[c] - middle[c]);
+    return nodes;
 }
 
 std::vector<Index> flat(const std::vector<Tet>& tets) {
@@ -41,17 +63,19 @@ DeviceModel::DeviceModel(Session& session, const Model& model, Product product)
     stiffness_ = session_.upload_real(stiffness_kpa_);
     prescribed_ = session_.upload(model.prescribed);
     upload_mesh(model.mesh);
-    inverse_blocks_ = session_.make_real_buffer(std::size_t(9) * num_nodes_);
     compute_stiffness();
 }
 
 void DeviceModel::upload_mesh(const Mesh& mesh) {
-    const RowTable corners = palpate::node_corners(mesh);
+    const Adjacency corners = corners_of_nodes(mesh);
     elements_ = session_.upload(flat(mesh.tets));
     region_ = session_.upload(mesh.region);
-    node_start_ = session_.upload(corners.start);
-    node_corners_ = session_.upload(corners.entry);
-    if (product_ == Product::assembled) upload_assembly_tables(mesh, corners);
+    node_start_ = session_.upload(corners.offsets);
+    node_corners_ = session_.upload(corners.items);
+    if (holds(Product::assembled)) upload_assembly_tables(mesh, corners);
+    inverse_blocks_ = blocks_ ? blocks_->inverse_diagonal()
+                              : session_.make_real_buffer(std::size_t(9) * num_nodes_);
+    if (holds(Product::recomputed)) nodes_ = session_.upload_real(centred_nodes(mesh));
 
     const RegionChunks chunks = region_chunks(
         mesh, num_materials(), session_.device().is_cpu ? tets_per_chunk_cpu : tets_per_chunk_gpu);
@@ -66,12 +90,10 @@ void DeviceModel::upload_mesh(const Mesh& mesh) {
                  geometry_, cl_int(num_elements_));
 }
 
-void DeviceModel::upload_assembly_tables(const Mesh& mesh, const RowTable& corners) {
-    const RowTable pattern = block_pattern(mesh, corners);
+void DeviceModel::upload_assembly_tables(const Mesh& mesh, const Adjacency& corners) {
+    const Adjacency pattern = node_graph(mesh);
     corner_slots_ = session_.upload(corner_slots(mesh, corners, pattern));
-    row_start_ = session_.upload(pattern.start);
-    block_node_ = session_.upload(pattern.entry);
-    blocks_ = session_.make_real_buffer(9 * pattern.entry.size() + block_padding);
+    blocks_.emplace(session_, pattern, 3, 3, true);
 }
 
 void DeviceModel::set_stiffness(std::span<const double> stiffness_kpa) {
@@ -84,54 +106,138 @@ void DeviceModel::compute_stiffness() {
     session_.run({"diagonal_blocks", "invert_diagonal_blocks"}, num_nodes_, single_column, region_,
                  geometry_, unit_moduli_, stiffness_, prescribed_, node_start_, node_corners_,
                  inverse_blocks_, cl_int(num_nodes_));
-    if (product_ == Product::assembled)
+    if (blocks_)
         session_.run({"stiffness_blocks", "stiffness_blocks"}, num_nodes_, single_column, region_,
                      geometry_, unit_moduli_, stiffness_, prescribed_, node_start_, node_corners_,
-                     corner_slots_, row_start_, block_node_, blocks_, cl_int(num_nodes_));
+                     corner_slots_, blocks_->row_start(), blocks_->block_node(), blocks_->blocks(),
+                     cl_int(num_nodes_));
 }
 
-void DeviceModel::multiply(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns,
-                           bool constrained) {
-    if (constrained && product_ == Product::assembled) {
-        multiply_assembled(x, y, num_columns);
-        return;
+std::size_t DeviceModel::run(const RowJob& job) {
+    return run(job, product_ == Product::automatic ? product_for(job.num_columns) : product_);
+}
+
+std::string DeviceModel::setting() const {
+    return fmt::format("{} precision, about 2^{} elements",
+                       session_.is_double() ? "double" : "single",
+                       std::lround(std::log2(std::max<double>(num_elements_, 1))));
+}
+
+std::vector<ProductChoice> DeviceModel::choices() const {
+    if (product_ != Product::automatic) return {};
+    return session_.device().choices.choices(setting());
+}
+
+/// Measured once per device, size and class of columns: by this process, or by one before it whose
+/// note lies beside the compiled programs.
+Product DeviceModel::product_for(std::size_t num_columns) {
+    const Index columns = column_class(static_cast<Index>(num_columns));
+    ProductChoices& choices = session_.device().choices;
+    if (const auto known = choices.find(setting(), columns)) return known->product;
+    const std::string name = fmt::format("product, {}, {} columns", setting(), columns);
+    const ProgramCache& notes = *session_.device().programs;
+    if (const std::optional<std::string> note = notes.recall(name))
+        for (Product product : {Product::assembled, Product::matrix_free, Product::recomputed})
+            if (note->starts_with(name_of(product) + ": ")) {
+                choices.remember(setting(),
+                                 {columns, product, note->substr(name_of(product).size() + 2)});
+                return product;
+            }
+    const ProductChoice choice = measure_products(num_columns);
+    notes.note(name, name_of(choice.product) + ": " + choice.reason);
+    return choice.product;
+}
+
+ProductChoice DeviceModel::measure_products(std::size_t num_columns) {
+    const std::size_t size = num_rows() * num_columns;
+    const cl::Buffer x = session_.upload_real(std::vector<double>(size, 1.0));
+    const cl::Buffer y = session_.make_real_buffer(size);
+    const RowJob job{.x = &x, .y = &y, .num_columns = num_columns};
+    std::set<Product> warm;
+    const auto time_product = [&](Product product) {
+        if (warm.insert(product).second) run(job, product);  // compiles its kernels
+        session_.wait();
+        const auto start = std::chrono::steady_clock::now();
+        run(job, product);
+        session_.wait();
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    constexpr Product candidates[] = {Product::assembled, Product::matrix_free,
+                                      Product::recomputed};
+    const ProductChoice choice = session_.device().choices.choose(
+        setting(), static_cast<Index>(num_columns), candidates, time_product);
+    if (choice.product == Product::assembled) {
+        forces_ = cl::Buffer();
+        forces_columns_ = 0;
     }
-    for (std::size_t first = 0; first < num_columns; first += max_pass_columns)
-        multiply_elements(x, y, num_columns, first, std::min(max_pass_columns, num_columns - first),
-                          constrained);
+    return choice;
 }
 
-void DeviceModel::multiply_assembled(const cl::Buffer& x, const cl::Buffer& y,
-                                     std::size_t num_columns) {
-    for (const ColumnPass& pass : session_.passes(num_columns))
-        session_.run({"block_csr", "block_csr_apply"}, num_nodes_, pass, row_start_, block_node_,
-                     blocks_, x, y, cl_int(num_nodes_), cl_int(num_columns), cl_int(pass.first));
+std::size_t DeviceModel::run(const RowJob& job, Product product) {
+    if (product == Product::assembled) return blocks_->run(session_, job);
+    return multiply_elements(job, true, product == Product::recomputed);
 }
 
-void DeviceModel::multiply_elements(const cl::Buffer& x, const cl::Buffer& y,
-                                    std::size_t num_columns, std::size_t first, std::size_t count,
-                                    bool constrained) {
+void DeviceModel::internal_force(const cl::Buffer& x, const cl::Buffer& y,
+                                 std::size_t num_columns) {
+    multiply_elements({.x = &x, .y = &y, .num_columns = num_columns}, false, false);
+}
+
+std::size_t DeviceModel::multiply_elements(const RowJob& job, bool constrained, bool recomputed) {
+    std::size_t parts = 0;
+    const std::size_t step = pass_columns();
+    for (std::size_t first = 0; first < job.num_columns; first += step)
+        parts = multiply_pass(job, constrained, recomputed, first,
+                              std::min(step, job.num_columns - first));
+    return parts;
+}
+
+std::size_t DeviceModel::pass_columns() const {
+    const std::size_t column_bytes = 12 * session_.real_bytes() * std::max<Index>(num_elements_, 1);
+    std::size_t columns = max_pass_columns;
+    while (columns > 1 && columns * column_bytes > max_forces_bytes) columns /= 2;
+    return columns;
+}
+
+std::size_t DeviceModel::multiply_pass(const RowJob& job, bool constrained, bool recomputed,
+                                       std::size_t first, std::size_t count) {
     if (count > forces_columns_) {
         forces_ = session_.make_real_buffer(std::size_t(12) * num_elements_ * count);
         forces_columns_ = count;
     }
-    for (const ColumnPass& pass : session_.passes(count)) {
-        const cl_int begin = cl_int(first + pass.first);
-        const cl_int width = cl_int(pass.groups * pass.width);
-        session_.run({"stiffness_apply", "stiffness_apply", constrained}, num_elements_, pass,
-                     elements_, region_, geometry_, unit_moduli_, stiffness_, prescribed_, x,
-                     forces_, cl_int(num_elements_), cl_int(num_columns), begin, width);
-        session_.run({"gather_to_nodes", "gather_to_nodes", constrained}, num_nodes_, pass,
-                     node_start_, node_corners_, forces_, prescribed_, x, y, cl_int(num_nodes_),
-                     cl_int(num_columns), begin, width);
-    }
+    const KernelName element_half = {
+        "stiffness_apply", "stiffness_apply",
+        KernelVariant{.constrained = constrained, .recomputed = recomputed}};
+    const KernelName node_half = {"gather_to_nodes", "gather_to_nodes",
+                                  KernelVariant{.constrained = constrained,
+                                                .mode = static_cast<int>(job.result),
+                                                .has_sum = job.sum != nullptr,
+                                                .block_rows = 3}};
+    // All passes cut the nodes alike, so that their sums share one table of parts.
+    const std::size_t parts = session_.num_parts(num_nodes_, gathered_reals * job.num_columns);
+    with_real(session_, [&](auto real) {
+        for (const ColumnPass& pass : session_.passes(count)) {
+            const cl_int begin = cl_int(first + pass.first);
+            const cl_int width = cl_int(pass.groups * pass.width);
+            session_.run(element_half, num_elements_, pass, elements_, region_,
+                         recomputed ? nodes_ : geometry_, unit_moduli_, stiffness_, prescribed_,
+                         *job.x, forces_, cl_int(num_elements_), cl_int(job.num_columns), begin,
+                         width);
+            session_.run_parts(node_half, parts, pass, node_start_, node_corners_, forces_,
+                               prescribed_, inverse_blocks_, job.b ? *job.b : *job.x, *job.x,
+                               *job.y, real(job.alpha), real(job.beta), real(job.weight),
+                               job.sum ? *job.sum : *job.y, cl_int(num_nodes_),
+                               cl_int(job.num_columns), begin, width);
+        }
+    });
+    return parts;
 }
 
-void DeviceModel::apply_block_jacobi(const cl::Buffer& r, const cl::Buffer& z,
-                                     std::size_t num_columns) {
-    for (const ColumnPass& pass : session_.passes(num_columns))
-        session_.run({"block_jacobi", "block_jacobi"}, num_nodes_, pass, inverse_blocks_, r, z,
-                     cl_int(num_nodes_), cl_int(num_columns), cl_int(pass.first));
+std::size_t DeviceModel::apply_inverse_diagonal(double weight, const cl::Buffer& r,
+                                                const cl::Buffer& z, const cl::Buffer* sum,
+                                                std::size_t num_columns) {
+    return multiply_diagonal(session_, inverse_blocks_, num_nodes_, 3, weight, r, z, sum,
+                             num_columns);
 }
 
 std::vector<double> DeviceModel::energy_products(const cl::Buffer& lambda, const cl::Buffer& x,
@@ -139,7 +245,7 @@ std::vector<double> DeviceModel::energy_products(const cl::Buffer& lambda, const
     const std::size_t num_parts = num_chunks_ * num_columns;
     const cl::Buffer parts = session_.make_buffer(num_parts * session_.wide_bytes());
     for (const ColumnPass& pass : session_.passes(num_columns))
-        session_.run({"parameter_gradient", "parameter_gradient", -1, ItemLength::many_rows},
+        session_.run({"parameter_gradient", "parameter_gradient", {}, RowShare::long_items},
                      num_chunks_, pass, elements_, region_, geometry_, unit_moduli_, region_order_,
                      chunk_start_, lambda, x, parts, cl_int(num_chunks_), cl_int(num_columns),
                      cl_int(pass.first));

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "solver/backends/opencl/device_blocks.hpp"
 #include "solver/backends/opencl/model_tables.hpp"
 #include "solver/backends/opencl/session.hpp"
 #include "solver/model/model.hpp"
@@ -23,11 +24,16 @@ public:
     Index num_materials() const { return static_cast<Index>(stiffness_kpa_.size()); }
 
     void set_stiffness(std::span<const double> stiffness_kpa);
-    /// y = K x; identity at prescribed dofs if `constrained`.
-    void multiply(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns,
-                  bool constrained);
-    /// z = D^-1 r
-    void apply_block_jacobi(const cl::Buffer& r, const cl::Buffer& z, std::size_t num_columns);
+    /// What `job` makes of the product with the constrained K; returns the number of parts of its
+    /// sum.
+    std::size_t run(const RowJob& job);
+    /// The choices of an automatic product so far, by ascending number of columns.
+    std::vector<ProductChoice> choices() const;
+    /// y = K x without regard to prescribed dofs.
+    void internal_force(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns);
+    /// z = weight D^-1 r; returns the number of parts of r . z in `sum`, if given.
+    std::size_t apply_inverse_diagonal(double weight, const cl::Buffer& r, const cl::Buffer& z,
+                                       const cl::Buffer* sum, std::size_t num_columns);
     /// lambda_c . K_r x_c at unit modulus: [num_materials, num_columns].
     std::vector<double> energy_products(const cl::Buffer& lambda, const cl::Buffer& x,
                                         std::size_t num_columns);
@@ -35,12 +41,22 @@ public:
     void strain_energy(const cl::Buffer& x, std::span<double> energy);
 
 private:
+    bool holds(Product product) const {
+        return product_ == product || product_ == Product::automatic;
+    }
+    std::size_t run(const RowJob& job, Product product);
+    Product product_for(std::size_t num_columns);
+    ProductChoice measure_products(std::size_t num_columns);
+    /// What a choice depends on beside the device and the number of columns.
+    std::string setting() const;
+    /// Columns whose element forces are held at a time.
+    std::size_t pass_columns() const;
     void upload_mesh(const Mesh& mesh);
-    void upload_assembly_tables(const Mesh& mesh, const RowTable& corners);
+    void upload_assembly_tables(const Mesh& mesh, const Adjacency& corners);
     void compute_stiffness();
-    void multiply_assembled(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns);
-    void multiply_elements(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns,
-                           std::size_t first, std::size_t count, bool constrained);
+    std::size_t multiply_elements(const RowJob& job, bool constrained, bool recomputed);
+    std::size_t multiply_pass(const RowJob& job, bool constrained, bool recomputed,
+                              std::size_t first, std::size_t count);
 
     Session& session_;
     Product product_;
@@ -51,8 +67,10 @@ private:
     std::vector<Index> chunk_region_;
     cl::Buffer elements_, region_, geometry_, unit_moduli_, stiffness_, prescribed_;
     cl::Buffer node_start_, node_corners_, inverse_blocks_, region_order_, chunk_start_;
-    cl::Buffer corner_slots_, row_start_, block_node_, blocks_;  ///< Product::assembled only
-    cl::Buffer forces_;                                          ///< element forces of one pass
+    cl::Buffer nodes_;                    ///< Product::recomputed
+    cl::Buffer corner_slots_;             ///< Product::assembled
+    std::optional<DeviceBlocks> blocks_;  ///< Product::assembled
+    cl::Buffer forces_;                   ///< element forces of one pass
     std::size_t forces_columns_ = 0;
 };
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/backends/opencl/kernel_text.hpp"
 
+#include <algorithm>
+
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -19,17 +21,22 @@ std::string_view file_text(std::string_view name) {
 
 const std::vector<std::string>& program_names() {
     static const std::vector<std::string> names = {
-        "block_csr",        "block_jacobi",     "diagonal_blocks",
-        "element_geometry", "gather_to_nodes",  "parameter_gradient",
-        "stiffness_apply",  "stiffness_blocks", "vector_ops"};
+        "conjugate_gradients", "diagonal_blocks", "element_geometry",   "gather_to_nodes",
+        "inverse_diagonal",    "multiply_blocks", "parameter_gradient", "stiffness_apply",
+        "stiffness_blocks",    "vector_ops"};
     return names;
 }
 
 std::string program_text(std::string_view program) {
-    const bool node_loop = program == "block_csr" || program == "block_jacobi" ||
-                           program == "gather_to_nodes" || program == "vector_ops";
+    const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
+        return std::find(names.begin(), names.end(), program) != names.end();
+    };
+    const bool over_parts = is_one_of(
+        {"conjugate_gradients", "gather_to_nodes", "inverse_diagonal", "multiply_blocks"});
     std::string text(file_text("real.cl"));
-    if (!node_loop) {
+    if (over_parts) text += file_text("parts.cl");
+    if (is_one_of({"gather_to_nodes", "multiply_blocks"})) text += file_text("row_result.cl");
+    if (!over_parts && program != "vector_ops") {
         text += file_text("tensor3.cl");
         text += file_text("elements/tet4.cl");
         text += file_text("materials/linear.cl");

@@ -23,59 +23,22 @@ std::vector<Index> starts_of(std::vector<Index> counts) {
     return counts;
 }
 
-// Nodes of the tets at `node`, ascending, each once.
-void neighbours_of(const Mesh& mesh, const RowTable& corners, Index node,
-                   std::vector<Index>& neighbours) {
-    neighbours.assign(1, node);
-    for (Index k = corners.start[node]; k < corners.start[node + 1]; ++k) {
-        const Tet& tet = mesh.tets[corners.entry[k] / 4];
-        neighbours.insert(neighbours.end(), tet.begin(), tet.end());
-    }
-    std::sort(neighbours.begin(), neighbours.end());
-    neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-}
-
 }  // namespace
 
-RowTable node_corners(const Mesh& mesh) {
-    RowTable table;
-    std::vector<Index> counts(mesh.nodes.size(), 0);
-    for (const Tet& tet : mesh.tets)
-        for (Index node : tet) ++counts[node];
-    table.start = starts_of(std::move(counts));
-    table.entry.resize(4 * mesh.tets.size());
-    std::vector<Index> next = table.start;
-    for (Index t = 0; t < mesh.num_tets(); ++t)
-        for (Index a = 0; a < 4; ++a) table.entry[next[mesh.tets[t][a]]++] = 4 * t + a;
-    return table;
-}
-
-RowTable block_pattern(const Mesh& mesh, const RowTable& corners) {
-    RowTable pattern;
-    pattern.start.push_back(0);
-    std::vector<Index> neighbours;
-    for (Index node = 0; node < mesh.num_nodes(); ++node) {
-        neighbours_of(mesh, corners, node, neighbours);
-        pattern.entry.insert(pattern.entry.end(), neighbours.begin(), neighbours.end());
-        pattern.start.push_back(static_cast<Index>(pattern.entry.size()));
-    }
-    return pattern;
-}
-
-std::vector<std::uint16_t> corner_slots(const Mesh& mesh, const RowTable& corners,
-                                        const RowTable& pattern) {
+std::vector<std::uint16_t> corner_slots(const Mesh& mesh, const Adjacency& corners,
+                                        const Adjacency& pattern) {
     std::vector<std::uint16_t> slots;
-    slots.reserve(4 * corners.entry.size());
+    slots.reserve(4 * corners.items.size());
     for (Index node = 0; node < mesh.num_nodes(); ++node) {
-        const auto row = pattern.entry.begin() + pattern.start[node];
-        const auto end = pattern.entry.begin() + pattern.start[node + 1];
+        const auto row = pattern.items.begin() + pattern.offsets[node];
+        const auto end = pattern.items.begin() + pattern.offsets[node + 1];
         if (end - row > 65535)
             throw Error(ErrorCode::unsupported,
                         fmt::format("Node {} has {} neighbours, the OpenCL back end allows 65535: "
                                     "check the mesh or use the matrix-free product.",
                                     node, end - row));
-        for (Index k = corners.start[node]; k < corners.start[node + 1]; ++k)
-            for (Index other : mesh.tets[corners.entry[k] / 4])
+        for (Index k = corners.offsets[node]; k < corners.offsets[node + 1]; ++k)
+            for (Index other : mesh.tets[corners.items[k] / 4])
                 slots.push_back(
                     static_cast<std::uint16_t>(std::lower_bound(row, end, other) - row));
     }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 
@@ -14,23 +15,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t max_coefficients = 16;  // MAX_COEFFICIENTS of vector_ops.cl
-
-template <class Real>
-struct Coefficients {
-    Real value[max_coefficients] = {};
-
-    Coefficients(std::span<const double> all, const ColumnPass& pass) {
-        for (std::size_t c = 0; c < pass.groups * pass.width; ++c)
-            value[c] = static_cast<Real>(all[pass.first + c]);
-    }
-};
-
-// Parts that the rows of an inner product are cut into: enough to share out, few enough to read.
-std::size_t num_dot_parts(std::size_t rows, bool is_cpu) {
-    return is_cpu ? std::clamp<std::size_t>(rows / 512, 1, 256)
-                  : std::clamp<std::size_t>(rows / 16, 1, 4096);
-}
+constexpr std::size_t vector_work = 4;  // a vector operation per row, in multiply-adds
+constexpr std::size_t lane_width = 16;  // of a single column on a CPU, see kernels/parts.cl
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
@@ -41,6 +27,14 @@ void refuse_same(const DeviceVector& x, const DeviceVector& y) {
 }
 
 std::string shape_of(const DeviceVector& v) { return fmt::format("{}x{}", v.rows(), v.columns()); }
+
+void refuse_other_shapes(const char* what, std::initializer_list<const DeviceVector*> vectors) {
+    const DeviceVector& first = **vectors.begin();
+    for (const DeviceVector* v : vectors)
+        if (v->rows() != first.rows() || v->columns() != first.columns())
+            refuse(fmt::format("{} needs vectors of one shape, not {} and {}.", what,
+                               shape_of(first), shape_of(*v)));
+}
 
 class OpenclVector final : public DeviceVector {
 public:
@@ -55,6 +49,36 @@ private:
     const Session* owner_;
 };
 
+class OpenclSums final : public DeviceSums {
+public:
+    OpenclSums(Index columns, cl::Buffer buffer, const Session* owner)
+        : DeviceSums(columns), buffer_(std::move(buffer)), owner_(owner) {}
+    const cl::Buffer& buffer() const { return buffer_; }
+    const Session* owner() const { return owner_; }
+    std::size_t num_parts = 0;  ///< rows of the buffer that hold the sums
+
+private:
+    cl::Buffer buffer_;
+    const Session* owner_;
+};
+
+/// A block matrix, or the stiffness of the back end's model (then without blocks of its own).
+class OpenclOperator final : public DeviceOperator {
+public:
+    OpenclOperator(Index rows, Index columns, const Session* owner)
+        : DeviceOperator(rows, columns), owner_(owner) {}
+    const Session* owner() const { return owner_; }
+    std::optional<DeviceBlocks> blocks;
+
+private:
+    const Session* owner_;
+};
+
+void refuse_without_diagonal(const OpenclOperator& a) {
+    if (a.blocks && !a.blocks->is_square())
+        refuse("The operator was made without its inverted diagonal blocks: give them to smooth.");
+}
+
 class OpenclBackend final : public Backend {
 public:
     OpenclBackend(std::shared_ptr<OpenclDevice> device, const BackendOptions& options)
@@ -67,12 +91,32 @@ public:
     void copy_in(std::span<const double> host, DeviceVector& v) override;
     void copy_out(const DeviceVector& v, std::span<double> host) override;
     void fill(DeviceVector& v, double value) override;
-    void axpby(std::span<const double> alpha, const DeviceVector& x, std::span<const double> beta,
-               DeviceVector& y) override;
-    void dot(const DeviceVector& x, const DeviceVector& y, std::span<double> result) override;
+    void copy_columns(const DeviceVector& from, std::span<const Index> from_columns,
+                      DeviceVector& to, std::span<const Index> to_columns) override;
+    std::unique_ptr<DeviceSums> make_sums(Index columns) override;
+    void set(DeviceSums& sums, std::span<const double> values) override;
+    void read(const DeviceSums& sums, std::span<double> values) override;
+    void dot(const DeviceVector& x, const DeviceVector& y, DeviceSums& xy) override;
+    std::unique_ptr<DeviceOperator> make_operator(
+        const BlockMatrix& matrix, std::span<const double> inverse_diagonal) override;
+    void set_values(DeviceOperator& a, const BlockMatrix& matrix,
+                    std::span<const double> inverse_diagonal) override;
+    const DeviceOperator& stiffness() override;
+    void apply(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y,
+               DeviceSums* xy) override;
+    void apply_add(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y) override;
+    void residual(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x,
+                  DeviceVector& r) override;
+    void apply_inverse_diagonal(const DeviceOperator& a, double weight, const DeviceVector& r,
+                                DeviceVector& z, DeviceSums* rz) override;
+    void smooth(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x, double alpha,
+                double beta, double weight, DeviceVector& y, DeviceSums* by) override;
+    void advance(const DeviceSums& rz, const DeviceSums& pq, const DeviceSums& rr,
+                 const DeviceSums& limit, const DeviceVector& p, const DeviceVector& q,
+                 DeviceVector& x, DeviceVector& r, DeviceSums& rr_new) override;
+    void turn(const DeviceSums& rz_new, const DeviceSums& rz, const DeviceVector& z,
+              DeviceVector& p) override;
     void internal_force(const DeviceVector& x, DeviceVector& y) override;
-    void apply_stiffness(const DeviceVector& x, DeviceVector& y) override;
-    void apply_block_jacobi(const DeviceVector& r, DeviceVector& z) override;
     void strain_energy(const DeviceVector& x, std::span<double> energy) override;
     void parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
                             std::span<double> gradient) override;
@@ -82,16 +126,22 @@ private:
     const OpenclVector& mine(const DeviceVector& v) const;
     const cl::Buffer& buffer_of(const DeviceVector& v) const { return mine(v).buffer(); }
     DeviceModel& model_for(const DeviceVector& x, const DeviceVector& y);
-    template <class Real>
-    void axpby_pass(std::span<const double> alpha, const DeviceVector& x,
-                    std::span<const double> beta, const DeviceVector& y, const ColumnPass& pass);
-    const cl::Buffer& parts_buffer(std::size_t count);
+    const OpenclSums& mine(const DeviceSums& sums, Index columns) const;
+    OpenclSums& mine(DeviceSums& sums, Index columns) const;
+    const OpenclOperator& mine(const DeviceOperator& a) const;
+    void fill_range(const OpenclVector& v, double value, std::size_t first, std::size_t end);
+    /// `apply` and its relatives: sizes checked, then the product.
+    void run(const char* what, const DeviceOperator& a, const DeviceVector* b,
+             const DeviceVector& x, DeviceVector& y, RowJob job, DeviceSums* sum);
+    /// A vector operation over parts; `args` come before num_rows, num_columns, first_column.
+    template <class... Args>
+    std::size_t run_on_columns(const char* function, const DeviceVector& shape,
+                               const Args&... args);
 
     Session session_;
     Product product_;
     std::optional<DeviceModel> model_;
-    cl::Buffer parts_;  ///< partial sums of `dot`
-    std::size_t parts_count_ = 0;
+    std::optional<OpenclOperator> stiffness_;
 };
 
 BackendInfo OpenclBackend::describe() const {
@@ -103,6 +153,7 @@ BackendInfo OpenclBackend::describe() const {
     info.version = fmt::format("{}, driver {}", device.version, device.driver);
     info.precision = session_.precision();
     info.product = product_;
+    if (model_) info.choices = model_->choices();
     info.compute_units = device.compute_units;
     info.type = device.type;
     return info;
@@ -130,6 +181,7 @@ void OpenclBackend::prepare(const Model& model) {
     guarded("prepare the model", [&] {
         model_.reset();
         model_.emplace(session_, model, product_);
+        stiffness_.emplace(model.num_dofs(), model.num_dofs(), &session_);
         session_.wait();
     });
 }
@@ -139,6 +191,10 @@ void OpenclBackend::set_stiffness(std::span<const double> stiffness_kpa) {
     if (stiffness_kpa.size() != static_cast<std::size_t>(model_->num_materials()))
         refuse(fmt::format("{} Young's moduli were given, the model has {} materials.",
                            stiffness_kpa.size(), model_->num_materials()));
+    for (double modulus : stiffness_kpa)
+        if (!(modulus > 0))
+            refuse(
+                fmt::format("A Young's modulus of {} kPa was given: it must be above 0.", modulus));
     guarded("set the stiffness", [&] { model_->set_stiffness(stiffness_kpa); });
 }
 
@@ -149,9 +205,11 @@ std::unique_ptr<DeviceVector> OpenclBackend::make_vector(Index rows, Index colum
                         "least 1.",
                         rows, columns));
     return guarded("make a vector", [&] {
-        auto vector = std::make_unique<OpenclVector>(
-            rows, columns, session_.make_real_buffer(static_cast<std::size_t>(rows) * columns),
-            &session_);
+        const std::size_t size = static_cast<std::size_t>(rows) * columns;
+        const std::size_t padded = (size + lane_width - 1) / lane_width * lane_width;
+        auto vector = std::make_unique<OpenclVector>(rows, columns,
+                                                     session_.make_real_buffer(padded), &session_);
+        fill_range(*vector, 0, size, padded);
 #ifndef NDEBUG
         fill(*vector, std::numeric_limits<double>::quiet_NaN());  // shows results nobody wrote
 #endif
@@ -175,69 +233,260 @@ void OpenclBackend::copy_out(const DeviceVector& v, std::span<double> host) {
 
 void OpenclBackend::fill(DeviceVector& v, double value) {
     const OpenclVector& to = mine(v);
-    const auto run = [&](auto real_value) {
-        session_.run({"vector_ops", "fill"}, to.size(), single_column, to.buffer(), real_value,
-                     static_cast<cl_ulong>(to.size()));
+    guarded("fill a vector", [&] { fill_range(to, value, 0, to.size()); });
+}
+
+void OpenclBackend::fill_range(const OpenclVector& v, double value, std::size_t first,
+                               std::size_t end) {
+    with_real(session_, [&](auto real) {
+        session_.run({"vector_ops", "fill"}, end - first, single_column, v.buffer(), real(value),
+                     static_cast<cl_ulong>(first), static_cast<cl_ulong>(end));
+    });
+}
+
+void OpenclBackend::copy_columns(const DeviceVector& from, std::span<const Index> from_columns,
+                                 DeviceVector& to, std::span<const Index> to_columns) {
+    const auto* source = dynamic_cast<const OpenclVector*>(&from);
+    if (!source || &source->owner()->device() != &session_.device())
+        refuse("The vector belongs to another device: copy it through the host.");
+    const OpenclVector& target = mine(to);
+    const auto has = [](Index columns) {
+        return [columns](Index c) { return c >= 0 && c < columns; };
     };
-    guarded("fill a vector", [&] {
-        if (session_.is_double())
-            run(static_cast<cl_double>(value));
-        else
-            run(static_cast<cl_float>(value));
+    if (from.rows() != to.rows() || from_columns.size() != to_columns.size() ||
+        !std::all_of(from_columns.begin(), from_columns.end(), has(from.columns())) ||
+        !std::all_of(to_columns.begin(), to_columns.end(), has(to.columns())))
+        refuse(
+            fmt::format("{} columns of {} do not fit {} columns of {}: rows and numbers of "
+                        "columns must agree, and every column must exist.",
+                        from_columns.size(), shape_of(from), to_columns.size(), shape_of(to)));
+    const KernelVariant variant = {.from_is_double = source->owner()->is_double()};
+    const auto is_all = [](std::span<const Index> columns, Index count) {
+        for (std::size_t i = 0; i < columns.size(); ++i)
+            if (columns[i] != static_cast<Index>(i)) return false;
+        return static_cast<Index>(columns.size()) == count;
+    };
+    guarded("copy columns", [&] {
+        if (is_all(from_columns, from.columns()) && is_all(to_columns, to.columns())) {
+            session_.run({"vector_ops", "copy_all", variant}, target.size(), single_column,
+                         source->buffer(), target.buffer(), cl_ulong(target.size()));
+            return;
+        }
+        const cl::Buffer from_list =
+            session_.upload(std::vector<Index>(from_columns.begin(), from_columns.end()));
+        const cl::Buffer to_list =
+            session_.upload(std::vector<Index>(to_columns.begin(), to_columns.end()));
+        session_.run({"vector_ops", "copy_columns", variant}, to.rows(), single_column,
+                     source->buffer(), from_list, cl_int(from.columns()), target.buffer(), to_list,
+                     cl_int(to.columns()), cl_int(to.rows()), cl_int(from_columns.size()));
     });
 }
 
-template <class Real>
-void OpenclBackend::axpby_pass(std::span<const double> alpha, const DeviceVector& x,
-                               std::span<const double> beta, const DeviceVector& y,
-                               const ColumnPass& pass) {
-    session_.run({"vector_ops", "axpby"}, y.rows(), pass, Coefficients<Real>(alpha, pass),
-                 buffer_of(x), Coefficients<Real>(beta, pass), buffer_of(y), cl_int(y.rows()),
-                 cl_int(y.columns()), cl_int(pass.first));
+OpenclSums& OpenclBackend::mine(DeviceSums& sums, Index columns) const {
+    auto* found = dynamic_cast<OpenclSums*>(&sums);
+    if (!found || found->owner() != &session_)
+        refuse("The sums belong to another back end: make them with the one that uses them.");
+    if (sums.columns() != columns)
+        refuse(fmt::format("Sums of {} columns do not fit {}.", sums.columns(), columns));
+    return *found;
 }
 
-void OpenclBackend::axpby(std::span<const double> alpha, const DeviceVector& x,
-                          std::span<const double> beta, DeviceVector& y) {
-    const std::size_t columns = y.columns();
-    if (x.rows() != y.rows() || x.columns() != y.columns() || alpha.size() != columns ||
-        beta.size() != columns)
-        refuse(fmt::format("axpby of {} to {} with {} and {} coefficients: the sizes must agree.",
-                           shape_of(x), shape_of(y), alpha.size(), beta.size()));
-    guarded("add vectors", [&] {
-        for (std::size_t begin = 0; begin < columns; begin += max_coefficients)
-            for (ColumnPass pass : session_.passes(std::min(max_coefficients, columns - begin))) {
-                pass.first += begin;
-                if (session_.is_double())
-                    axpby_pass<cl_double>(alpha, x, beta, y, pass);
-                else
-                    axpby_pass<cl_float>(alpha, x, beta, y, pass);
-            }
+const OpenclSums& OpenclBackend::mine(const DeviceSums& sums, Index columns) const {
+    return mine(const_cast<DeviceSums&>(sums), columns);
+}
+
+const OpenclOperator& OpenclBackend::mine(const DeviceOperator& a) const {
+    const auto* found = dynamic_cast<const OpenclOperator*>(&a);
+    if (!found || found->owner() != &session_)
+        refuse("The operator belongs to another back end: make it with the one that uses it.");
+    return *found;
+}
+
+std::unique_ptr<DeviceSums> OpenclBackend::make_sums(Index columns) {
+    if (columns < 1) refuse(fmt::format("Sums of {} columns: at least 1 is needed.", columns));
+    return guarded("make sums", [&] {
+        return std::make_unique<OpenclSums>(
+            columns, session_.make_buffer(session_.most_parts() * columns * session_.wide_bytes()),
+            &session_);
     });
 }
 
-const cl::Buffer& OpenclBackend::parts_buffer(std::size_t count) {
-    if (count > parts_count_) {
-        parts_ = session_.make_buffer(count * session_.wide_bytes());
-        parts_count_ = count;
+void OpenclBackend::set(DeviceSums& sums, std::span<const double> values) {
+    OpenclSums& to = mine(sums, static_cast<Index>(values.size()));
+    guarded("write sums", [&] { session_.write_wide(values, to.buffer()); });
+    to.num_parts = 1;
+}
+
+void OpenclBackend::read(const DeviceSums& sums, std::span<double> values) {
+    const OpenclSums& from = mine(sums, static_cast<Index>(values.size()));
+    const std::vector<double> parts = guarded("read sums", [&] {
+        return session_.read_wide(from.buffer(), from.num_parts * values.size());
+    });
+    std::fill(values.begin(), values.end(), 0.0);
+    for (std::size_t i = 0; i < parts.size(); ++i) values[i % values.size()] += parts[i];
+}
+
+template <class... Args>
+std::size_t OpenclBackend::run_on_columns(const char* function, const DeviceVector& shape,
+                                          const Args&... args) {
+    const std::size_t rows = shape.rows(), columns = shape.columns();
+    if (columns == 1 && session_.device().is_cpu) {
+        const std::size_t lanes = (rows + lane_width - 1) / lane_width;
+        const std::size_t parts = session_.num_parts(lanes, vector_work * lane_width);
+        session_.run_parts({"conjugate_gradients", function, {.lanes = 1}}, parts,
+                           {0, 1, lane_width}, args..., cl_int(lanes), cl_int(1), cl_int(0));
+        return parts;
     }
-    return parts_;
+    const std::size_t parts = session_.num_parts(rows, vector_work * columns);
+    for (const ColumnPass& pass : session_.passes(columns))
+        session_.run_parts({"conjugate_gradients", function}, parts, pass, args..., cl_int(rows),
+                           cl_int(columns), cl_int(pass.first));
+    return parts;
 }
 
-void OpenclBackend::dot(const DeviceVector& x, const DeviceVector& y, std::span<double> result) {
-    const std::size_t columns = x.columns();
-    if (x.rows() != y.rows() || x.columns() != y.columns() || result.size() != columns)
-        refuse(fmt::format("dot of {} with {} into {} numbers: the sizes must agree.", shape_of(x),
-                           shape_of(y), result.size()));
+void OpenclBackend::dot(const DeviceVector& x, const DeviceVector& y, DeviceSums& xy) {
+    OpenclSums& sums = mine(xy, x.columns());
+    refuse_other_shapes("The inner product", {&x, &y});
     guarded("take inner products", [&] {
-        const std::size_t num_parts = num_dot_parts(x.rows(), session_.device().is_cpu);
-        const cl::Buffer& parts = parts_buffer(num_parts * columns);
-        for (const ColumnPass& pass : session_.passes(columns))
-            session_.run({"vector_ops", "dot_parts", -1, ItemLength::many_rows}, num_parts, pass,
-                         buffer_of(x), buffer_of(y), parts, cl_int(x.rows()), cl_int(columns),
-                         cl_int(pass.first), cl_int(num_parts));
-        const std::vector<double> sums = session_.read_wide(parts, num_parts * columns);
-        std::fill(result.begin(), result.end(), 0.0);
-        for (std::size_t i = 0; i < sums.size(); ++i) result[i % columns] += sums[i];
+        sums.num_parts =
+            run_on_columns("dot_columns", x, buffer_of(x), buffer_of(y), sums.buffer());
+    });
+}
+
+void OpenclBackend::advance(const DeviceSums& rz, const DeviceSums& pq, const DeviceSums& rr,
+                            const DeviceSums& limit, const DeviceVector& p, const DeviceVector& q,
+                            DeviceVector& x, DeviceVector& r, DeviceSums& rr_new) {
+    const Index columns = p.columns();
+    const OpenclSums& a = mine(rz, columns);
+    const OpenclSums& b = mine(pq, columns);
+    const OpenclSums& c = mine(rr, columns);
+    const OpenclSums& d = mine(limit, columns);
+    OpenclSums& e = mine(rr_new, columns);
+    refuse_other_shapes("A step along the search directions", {&p, &q, &x, &r});
+    if (&rr == &rr_new) refuse("The new sums cannot overwrite the old ones: give two objects.");
+    guarded("step along the search directions", [&] {
+        e.num_parts = run_on_columns("advance", p, a.buffer(), cl_int(a.num_parts), b.buffer(),
+                                     cl_int(b.num_parts), c.buffer(), cl_int(c.num_parts),
+                                     d.buffer(), cl_int(d.num_parts), buffer_of(p), buffer_of(q),
+                                     buffer_of(x), buffer_of(r), e.buffer());
+    });
+}
+
+void OpenclBackend::turn(const DeviceSums& rz_new, const DeviceSums& rz, const DeviceVector& z,
+                         DeviceVector& p) {
+    const OpenclSums& now = mine(rz_new, p.columns());
+    const OpenclSums& before = mine(rz, p.columns());
+    refuse_other_shapes("Turning the search directions", {&z, &p});
+    guarded("turn the search directions", [&] {
+        run_on_columns("turn", p, now.buffer(), cl_int(now.num_parts), before.buffer(),
+                       cl_int(before.num_parts), buffer_of(z), buffer_of(p));
+    });
+}
+
+std::unique_ptr<DeviceOperator> OpenclBackend::make_operator(
+    const BlockMatrix& matrix, std::span<const double> inverse_diagonal) {
+    const auto is_size = [](int size) { return size >= 1 && size <= 6; };
+    if (!is_size(matrix.block_rows) || !is_size(matrix.block_columns))
+        refuse(fmt::format("Blocks of {}x{} are not supported: 1 to 6 rows and columns are.",
+                           matrix.block_rows, matrix.block_columns));
+    auto a = guarded("make an operator", [&] {
+        auto made =
+            std::make_unique<OpenclOperator>(matrix.num_rows() * matrix.block_rows,
+                                             matrix.num_columns * matrix.block_columns, &session_);
+        made->blocks.emplace(session_, matrix.graph, matrix.block_rows, matrix.block_columns,
+                             !inverse_diagonal.empty());
+        return made;
+    });
+    set_values(*a, matrix, inverse_diagonal);
+    return a;
+}
+
+void OpenclBackend::set_values(DeviceOperator& a, const BlockMatrix& matrix,
+                               std::span<const double> inverse_diagonal) {
+    auto& mine_a = const_cast<OpenclOperator&>(mine(a));
+    const std::size_t diagonal = inverse_diagonal.size();
+    if (!mine_a.blocks || a.rows() != matrix.num_rows() * matrix.block_rows ||
+        mine_a.blocks->num_blocks() != matrix.graph.items.size() ||
+        mine_a.blocks->block_columns() != matrix.block_columns ||
+        matrix.blocks.size() != matrix.graph.items.size() * matrix.block_size() ||
+        diagonal != (mine_a.blocks->is_square()
+                         ? static_cast<std::size_t>(a.rows()) * matrix.block_rows
+                         : 0))
+        refuse(
+            "New values need the pattern that the operator was made with, and one inverted "
+            "diagonal block per block row if it has them.");
+    guarded("write an operator",
+            [&] { mine_a.blocks->set_values(session_, matrix, inverse_diagonal); });
+}
+
+const DeviceOperator& OpenclBackend::stiffness() {
+    if (!stiffness_) refuse("The OpenCL back end holds no model: call prepare(model) first.");
+    return *stiffness_;
+}
+
+void OpenclBackend::run(const char* what, const DeviceOperator& a, const DeviceVector* b,
+                        const DeviceVector& x, DeviceVector& y, RowJob job, DeviceSums* sum) {
+    const OpenclOperator& op = mine(a);
+    if (a.columns() != x.rows() || a.rows() != y.rows() || x.columns() != y.columns() ||
+        (b && (b->rows() != y.rows() || b->columns() != y.columns())))
+        refuse(fmt::format("{}: an operator of {}x{} does not fit vectors of {} and {}.", what,
+                           a.rows(), a.columns(), shape_of(x), shape_of(y)));
+    refuse_same(x, y);
+    if (b == &y) refuse("The right-hand side cannot be overwritten: give two vectors.");
+    OpenclSums* sums = sum ? &mine(*sum, x.columns()) : nullptr;
+    if (sums && job.result == RowResult::apply && a.rows() != a.columns())
+        refuse("The sum x . A x needs a square operator.");
+    job.x = &buffer_of(x);
+    job.y = &buffer_of(y);
+    job.b = b ? &buffer_of(*b) : nullptr;
+    job.sum = sums ? &sums->buffer() : nullptr;
+    job.num_columns = x.columns();
+    guarded(what, [&] {
+        const std::size_t parts = op.blocks ? op.blocks->run(session_, job) : model_->run(job);
+        if (sums) sums->num_parts = parts;
+    });
+}
+
+void OpenclBackend::apply(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y,
+                          DeviceSums* xy) {
+    run("multiply with an operator", a, nullptr, x, y, {.result = RowResult::apply}, xy);
+}
+
+void OpenclBackend::apply_add(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y) {
+    run("add a product", a, nullptr, x, y, {.result = RowResult::add}, nullptr);
+}
+
+void OpenclBackend::residual(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x,
+                             DeviceVector& r) {
+    run("compute a residual", a, &b, x, r, {.result = RowResult::residual}, nullptr);
+}
+
+void OpenclBackend::smooth(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x,
+                           double alpha, double beta, double weight, DeviceVector& y,
+                           DeviceSums* by) {
+    refuse_without_diagonal(mine(a));
+    run("smooth", a, &b, x, y,
+        {.result = RowResult::smooth, .alpha = alpha, .beta = beta, .weight = weight}, by);
+}
+
+void OpenclBackend::apply_inverse_diagonal(const DeviceOperator& a, double weight,
+                                           const DeviceVector& r, DeviceVector& z, DeviceSums* rz) {
+    const OpenclOperator& op = mine(a);
+    refuse_without_diagonal(op);
+    refuse_other_shapes("Scaling with the diagonal", {&r, &z});
+    if (r.rows() != a.rows())
+        refuse(fmt::format("A vector of {} does not fit an operator of {} rows.", shape_of(r),
+                           a.rows()));
+    OpenclSums* sums = rz ? &mine(*rz, r.columns()) : nullptr;
+    const cl::Buffer* sum = sums ? &sums->buffer() : nullptr;
+    guarded("scale with the diagonal", [&] {
+        const std::size_t parts =
+            op.blocks ? multiply_diagonal(session_, op.blocks->inverse_diagonal(),
+                                          op.blocks->num_rows(), op.blocks->block_rows(), weight,
+                                          buffer_of(r), buffer_of(z), sum, r.columns())
+                      : model_->apply_inverse_diagonal(weight, buffer_of(r), buffer_of(z), sum,
+                                                       r.columns());
+        if (sums) sums->num_parts = parts;
     });
 }
 
@@ -245,20 +494,7 @@ void OpenclBackend::internal_force(const DeviceVector& x, DeviceVector& y) {
     DeviceModel& model = model_for(x, y);
     refuse_same(x, y);
     guarded("compute internal forces",
-            [&] { model.multiply(buffer_of(x), buffer_of(y), x.columns(), false); });
-}
-
-void OpenclBackend::apply_stiffness(const DeviceVector& x, DeviceVector& y) {
-    DeviceModel& model = model_for(x, y);
-    refuse_same(x, y);
-    guarded("multiply with the stiffness",
-            [&] { model.multiply(buffer_of(x), buffer_of(y), x.columns(), true); });
-}
-
-void OpenclBackend::apply_block_jacobi(const DeviceVector& r, DeviceVector& z) {
-    DeviceModel& model = model_for(r, z);
-    guarded("apply block-Jacobi",
-            [&] { model.apply_block_jacobi(buffer_of(r), buffer_of(z), r.columns()); });
+            [&] { model.internal_force(buffer_of(x), buffer_of(y), x.columns()); });
 }
 
 void OpenclBackend::strain_energy(const DeviceVector& x, std::span<double> energy) {

@@ -65,6 +65,16 @@ cl::Program ProgramCache::get_text(const std::string& name, const std::string& t
     return programs_[key] = load_or_build(name, text, options_text(defines), key);
 }
 
+std::optional<std::string> ProgramCache::recall(const std::string& name) const {
+    const std::optional<ProgramBinary> bytes = folder_.read(device_key_ + name);
+    if (!bytes) return std::nullopt;
+    return std::string(bytes->begin(), bytes->end());
+}
+
+void ProgramCache::note(const std::string& name, const std::string& text) const {
+    folder_.write(device_key_ + name, ProgramBinary(text.begin(), text.end()));
+}
+
 ProgramCounts ProgramCache::counts() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return counts_;

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,10 @@ public:
     /// What identifies a compiled program.
     std::string key_of(const std::string& text, const std::vector<Define>& defines) const;
     ProgramCounts counts() const;
+
+    /// A short text kept with the programs, for this device and driver only: what was measured.
+    std::optional<std::string> recall(const std::string& name) const;
+    void note(const std::string& name, const std::string& text) const;
 
 private:
     cl::Program load_or_build(const std::string& name, const std::string& text,

@@ -12,15 +12,15 @@ namespace {
 constexpr std::size_t cpu_group_rows = 64;
 constexpr std::size_t gpu_group_items = 128;
 constexpr std::size_t gpu_group_columns = 16;
-constexpr std::size_t smallest_buffer = 64;  // bytes: an empty buffer is an error in OpenCL
+constexpr std::size_t most_gpu_parts = 256;       // every item adds up all parts: few, but enough
+constexpr std::size_t work_per_cpu_part = 20000;  // some microseconds: far above handing it out
+constexpr std::size_t smallest_buffer = 64;       // bytes: an empty buffer is an error in OpenCL
 static_assert(gpu_group_items <= max_work_group_items && cpu_group_rows <= max_work_group_items);
 
 }  // namespace
 
 Session::Session(std::shared_ptr<OpenclDevice> device, Precision precision)
-    : device_(std::move(device)),
-      precision_(precision),
-      queue_(device_->context, device_->device) {}
+    : device_(std::move(device)), precision_(precision) {}
 
 cl::Buffer Session::make_buffer(std::size_t bytes) const {
     if (bytes > device_->max_allocation)
@@ -40,33 +40,46 @@ cl::Buffer Session::upload_real(std::span<const double> values) const {
 void Session::write_real(std::span<const double> values, const cl::Buffer& buffer) const {
     if (values.empty()) return;
     if (is_double()) {
-        queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size_bytes(), values.data());
+        device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size_bytes(), values.data());
         return;
     }
     const std::vector<float> rounded(values.begin(), values.end());
-    queue_.enqueueWriteBuffer(buffer, CL_TRUE, 0, rounded.size() * sizeof(float), rounded.data());
+    device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, rounded.size() * sizeof(float),
+                                      rounded.data());
 }
 
 void Session::read_real(const cl::Buffer& buffer, std::span<double> values) const {
     if (values.empty()) return;
     if (is_double()) {
-        queue_.enqueueReadBuffer(buffer, CL_TRUE, 0, values.size_bytes(), values.data());
+        device_->queue.enqueueReadBuffer(buffer, CL_TRUE, 0, values.size_bytes(), values.data());
         return;
     }
     std::vector<float> numbers(values.size());
-    queue_.enqueueReadBuffer(buffer, CL_TRUE, 0, numbers.size() * sizeof(float), numbers.data());
+    device_->queue.enqueueReadBuffer(buffer, CL_TRUE, 0, numbers.size() * sizeof(float),
+                                     numbers.data());
     std::copy(numbers.begin(), numbers.end(), values.begin());
+}
+
+void Session::write_wide(std::span<const double> values, const cl::Buffer& buffer) const {
+    if (values.empty()) return;
+    if (device_->has_double) {
+        device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size_bytes(), values.data());
+        return;
+    }
+    const std::vector<float> rounded(values.begin(), values.end());
+    device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, rounded.size() * sizeof(float),
+                                      rounded.data());
 }
 
 std::vector<double> Session::read_wide(const cl::Buffer& buffer, std::size_t count) const {
     std::vector<double> values(count);
     if (count == 0) return values;
     if (device_->has_double) {
-        queue_.enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(double), values.data());
+        device_->queue.enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(double), values.data());
         return values;
     }
     std::vector<float> numbers(count);
-    queue_.enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(float), numbers.data());
+    device_->queue.enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(float), numbers.data());
     std::copy(numbers.begin(), numbers.end(), values.begin());
     return values;
 }
@@ -75,17 +88,29 @@ std::vector<ColumnPass> Session::passes(std::size_t num_columns) const {
     return column_passes(num_columns, device_->is_cpu, is_double() ? 8 : 16);
 }
 
-WorkGroup Session::group_of(const KernelName& name, const ColumnPass& pass) const {
+std::size_t Session::most_parts() const {
+    if (!device_->is_cpu) return most_gpu_parts;
+    return std::clamp<std::size_t>(16 * std::max(device_->info.compute_units, 1), 16, 128);
+}
+
+std::size_t Session::num_parts(std::size_t rows, std::size_t work_per_row) const {
+    const std::size_t parts =
+        device_->is_cpu ? rows * work_per_row / work_per_cpu_part : rows / gpu_group_items;
+    return std::clamp<std::size_t>(parts, 1, most_parts());
+}
+
+WorkGroup Session::group_of(GroupShape shape, const ColumnPass& pass) const {
     // A CPU runs one group per thread: long items stand alone, so that all threads get some.
-    if (device_->is_cpu) return {1, name.item_length == ItemLength::one_row ? cpu_group_rows : 1};
+    if (device_->is_cpu) return {1, shape == GroupShape::rows ? cpu_group_rows : 1};
     std::size_t columns = 1;
     while (columns < gpu_group_columns && columns < pass.groups) columns *= 2;
     return {columns, gpu_group_items / columns};
 }
 
-cl::Kernel& Session::kernel(const KernelName& name, const ColumnPass& pass) {
-    const WorkGroup group = group_of(name, pass);
-    cl::Kernel& found = kernels_[{name.function, pass.width, group.columns, name.constrained}];
+cl::Kernel& Session::kernel(const KernelName& name, const ColumnPass& pass,
+                            const WorkGroup& group) {
+    const KernelVariant& variant = name.variant;
+    cl::Kernel& found = kernels_[{name.function, pass.width, group.columns, group.rows, variant}];
     if (found()) return found;
     std::vector<Define> defines = {{"REAL_IS_DOUBLE", is_double()},
                                    {"HAS_DOUBLE", device_->has_double},
@@ -93,7 +118,16 @@ cl::Kernel& Session::kernel(const KernelName& name, const ColumnPass& pass) {
                                    {"COLUMN_WIDTH", pass.width},
                                    {"WORK_GROUP_COLUMNS", static_cast<long>(group.columns)},
                                    {"WORK_GROUP_ROWS", static_cast<long>(group.rows)}};
-    if (name.constrained >= 0) defines.push_back({"CONSTRAINED", name.constrained});
+    const std::pair<const char*, int> choices[] = {{"CONSTRAINED", variant.constrained},
+                                                   {"RECOMPUTED", variant.recomputed},
+                                                   {"MODE", variant.mode},
+                                                   {"HAS_SUM", variant.has_sum},
+                                                   {"BLOCK_ROWS", variant.block_rows},
+                                                   {"BLOCK_COLUMNS", variant.block_columns},
+                                                   {"LANES", variant.lanes},
+                                                   {"FROM_IS_DOUBLE", variant.from_is_double}};
+    for (const auto& [define, value] : choices)
+        if (value >= 0) defines.push_back({define, value});
     found = cl::Kernel(device_->programs->get(name.program, defines), name.function);
     return found;
 }

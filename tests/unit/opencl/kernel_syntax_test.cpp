@@ -26,21 +26,44 @@ TEST(KernelSyntax, EveryCombinationPassesClangAsOpenclC12) {
     for (const std::string& program : program_names()) {
         const auto file = folder / (program + ".cl");
         std::ofstream(file) << program_text(program);
-        const bool has_variants = program_text(program).find("CONSTRAINED") != std::string::npos;
-        // Real and wide types, device kind, column width.
-        for (const char* types :
-             {"-DREAL_IS_DOUBLE=0 -DHAS_DOUBLE=0", "-DREAL_IS_DOUBLE=0 -DHAS_DOUBLE=1",
-              "-DREAL_IS_DOUBLE=1 -DHAS_DOUBLE=1"})
-            for (const char* layout :
-                 {"-DDEVICE_IS_CPU=0 -DCOLUMN_WIDTH=1", "-DDEVICE_IS_CPU=1 -DCOLUMN_WIDTH=1",
-                  "-DDEVICE_IS_CPU=1 -DCOLUMN_WIDTH=16"})
-                for (int constrained = 0; constrained <= (has_variants ? 1 : 0); ++constrained)
-                    script += fmt::format(
-                        "{} -x cl -cl-std=CL1.2 -target spir64-unknown-unknown -fsyntax-only "
-                        "-Xclang -fdeclare-opencl-builtins -Xclang -finclude-default-header "
-                        "-Wall -Wextra -Wno-unused-function -Wno-unused-parameter -Werror {} {} "
-                        "-DCONSTRAINED={} {}\n",
-                        PALPATE_CLANG, types, layout, constrained, file.string());
+        const std::string text = program_text(program);
+        // Every define that the program knows, with all its values.
+        std::vector<std::string> variants = {""};
+        for (const auto& [define, values] :
+             std::initializer_list<std::pair<const char*, std::vector<int>>>{
+                 {"CONSTRAINED", {0, 1}},
+                 {"RECOMPUTED", {0, 1}},
+                 {"MODE", {0, 1, 2, 3}},
+                 {"HAS_SUM", {0, 1}},
+                 {"BLOCK_ROWS", program == "gather_to_nodes" ? std::vector{3} : std::vector{3, 6}},
+                 {"BLOCK_COLUMNS", {3, 6}}}) {
+            if (text.find(define) == std::string::npos) continue;
+            std::vector<std::string> more;
+            for (const std::string& variant : variants)
+                for (int value : values)
+                    more.push_back(fmt::format("{} -D{}={}", variant, define, value));
+            variants = std::move(more);
+        }
+        const std::string mixed = "-DREAL_IS_DOUBLE=0 -DHAS_DOUBLE=1";
+        const std::vector<std::string> layouts = {"-DDEVICE_IS_CPU=0 -DCOLUMN_WIDTH=1",
+                                                  "-DDEVICE_IS_CPU=1 -DCOLUMN_WIDTH=16",
+                                                  "-DDEVICE_IS_CPU=1 -DCOLUMN_WIDTH=1"};
+        std::vector<std::string> options;
+        // Real and wide types on every kind of device once, then every variant in mixed precision.
+        for (const std::string& types : {std::string("-DREAL_IS_DOUBLE=0 -DHAS_DOUBLE=0"), mixed,
+                                         std::string("-DREAL_IS_DOUBLE=1 -DHAS_DOUBLE=1")})
+            for (const std::string& layout : layouts)
+                options.push_back(types + " " + layout + variants.back());
+        for (const std::string& layout : layouts)
+            for (const std::string& variant : variants)
+                options.push_back(mixed + " " + layout + variant);
+        if (program == "conjugate_gradients") options.push_back(mixed + " -DLANES=1 " + layouts[1]);
+        for (const std::string& option : options)
+            script += fmt::format(
+                "{} -x cl -cl-std=CL1.2 -target spir64-unknown-unknown -fsyntax-only "
+                "-Xclang -fdeclare-opencl-builtins -Xclang -finclude-default-header "
+                "-Wall -Wextra -Wno-unused-function -Wno-unused-parameter -Werror {} {}\n",
+                PALPATE_CLANG, option, file.string());
     }
     std::ofstream(folder / "check.sh") << script;
 

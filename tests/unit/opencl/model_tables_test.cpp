@@ -13,44 +13,19 @@ namespace {
 
 using Indices = std::vector<Index>;
 
-// Two tets that share the face (1, 2, 3); node 5 belongs to none.
-Mesh two_tets() {
-    Mesh mesh;
-    mesh.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {9, 9, 9}};
-    mesh.tets = {{0, 1, 2, 3}, {4, 1, 3, 2}};
-    mesh.region = {1, 0};
-    return mesh;
-}
-
-TEST(NodeCorners, ListTetAndCornerInAscendingOrder) {
-    const RowTable corners = node_corners(two_tets());
-
-    EXPECT_EQ(corners.start, (Indices{0, 1, 3, 5, 7, 8, 8}));
-    EXPECT_EQ(corners.entry, (Indices{0, 1, 5, 2, 7, 3, 6, 4}));
-}
-
-TEST(BlockPattern, HoldsNeighboursAndTheNodeItself) {
-    const Mesh mesh = two_tets();
-    const RowTable pattern = block_pattern(mesh, node_corners(mesh));
-
-    EXPECT_EQ(pattern.start, (Indices{0, 4, 9, 14, 19, 23, 24}));
-    EXPECT_EQ(pattern.entry,
-              (Indices{0, 1, 2, 3, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 1, 2, 3, 4, 5}));
-}
-
 TEST(CornerSlots, PointAtTheNodesOfTheTetInTheRow) {
     const Mesh mesh = fixtures::box_mesh({3, 2, 4}, {3, 2, 4});
-    const RowTable corners = node_corners(mesh);
-    const RowTable pattern = block_pattern(mesh, corners);
+    const Adjacency corners = corners_of_nodes(mesh);
+    const Adjacency pattern = node_graph(mesh);
 
     const std::vector<std::uint16_t> slots = corner_slots(mesh, corners, pattern);
 
     ASSERT_EQ(slots.size(), 16 * mesh.tets.size());
     for (Index node = 0; node < mesh.num_nodes(); ++node)
-        for (Index k = corners.start[node]; k < corners.start[node + 1]; ++k)
+        for (Index k = corners.offsets[node]; k < corners.offsets[node + 1]; ++k)
             for (int b = 0; b < 4; ++b)
-                EXPECT_EQ(pattern.entry[pattern.start[node] + slots[4 * k + b]],
-                          mesh.tets[corners.entry[k] / 4][b]);
+                EXPECT_EQ(pattern.items[pattern.offsets[node] + slots[4 * k + b]],
+                          mesh.tets[corners.items[k] / 4][b]);
 }
 
 TEST(RegionChunks, HoldEveryTetOnceAndOneRegionEach) {

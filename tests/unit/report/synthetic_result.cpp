@@ -235,6 +235,7 @@ void add_search(RecoveryResult& r) {
                 "3.1",
                 Precision::single,
                 Product::assembled,
+                {},
                 2,
                 "CPU"};
     BackendInfo host;

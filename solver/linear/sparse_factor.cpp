@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/linear/sparse_factor.hpp"
+
+#include <algorithm>
+
+#include "solver/base/error.hpp"
+#include "solver/linear/cholmod_factor.hpp"
+#include "solver/linear/eigen_factor.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double smallest_pivot_ratio = 1e-14;  ///< below: a mechanism, not a stiff structure
+
+}  // namespace
+
+void SparseFactor::require_definite(bool finished, double smallest_pivot, double largest_pivot) {
+    if (finished && smallest_pivot > smallest_pivot_ratio * largest_pivot) return;
+    throw Error(ErrorCode::solve_failed,
+                "The stiffness matrix is singular: a part of the mesh is free to move rigidly; "
+                "prescribe the displacement of at least three of its nodes.");
+}
+
+const std::vector<std::string>& sparse_factor_names() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> found;
+        if (has_cholmod()) found.push_back("cholmod");
+        found.push_back("eigen");
+        return found;
+    }();
+    return names;
+}
+
+std::unique_ptr<SparseFactor> make_sparse_factor(const std::string& name) {
+    const auto& names = sparse_factor_names();
+    const std::string wanted = name.empty() ? names.front() : name;
+    if (std::find(names.begin(), names.end(), wanted) == names.end())
+        throw Error(ErrorCode::unsupported, "The direct library \"" + wanted +
+                                                "\" is not in this build; choose " +
+                                                (has_cholmod() ? "cholmod or " : "") + "eigen.");
+    return wanted == "cholmod" ? make_cholmod_factor() : make_eigen_factor();
+}
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "solver/base/types.hpp"
+
+namespace palpate {
+
+/// Right-hand sides in and solutions out of a factor: [rows, width], column index fastest, zero at
+/// first, the first row aligned to a cache line.
+class FactorBlock {
+public:
+    FactorBlock(Index rows, Index width)
+        : width_(width),
+          lines_((static_cast<std::size_t>(rows) * width + doubles_per_line - 1) /
+                 doubles_per_line) {}
+
+    Index width() const { return width_; }
+    double* data() { return lines_.front().value; }
+    double* row(Index r) { return data() + static_cast<std::size_t>(r) * width_; }
+
+private:
+    static constexpr std::size_t doubles_per_line = 8;
+    struct alignas(64) Line {
+        double value[doubles_per_line] = {};
+    };
+    Index width_;
+    std::vector<Line> lines_;
+};
+
+/// The Cholesky factor of one sparse symmetric positive definite matrix, fp64, by some library.
+class SparseFactor {
+public:
+    using Lower = Eigen::SparseMatrix<double>;  ///< lower triangle, rows of each column ascending
+
+    virtual ~SparseFactor() = default;
+    /// Name, version and kind: "Eigen 3.4.0 LDLT".
+    virtual std::string library() const = 0;
+    /// Orders the unknowns and finds the pattern of the factor. Once, before `factorise`.
+    virtual void analyse(const Lower& matrix) = 0;
+    /// Takes new values for the pattern that was analysed. Throws Error(solve_failed) if the matrix
+    /// is not positive definite beyond rounding, Error(out_of_memory) if the factor does not fit.
+    virtual void factorise(const Lower& matrix) = 0;
+    /// [n] the row of a block that holds unknown i: `solve` works in the order of the factor.
+    virtual const std::vector<int>& position() const = 0;
+    /// How wide the blocks for `columns` right-hand sides of one thread should be: at least 1.
+    virtual Index block_width(Index columns) const = 0;
+    /// x := A^-1 x on one thread, any number of threads at a time. Rows of zeros at the head of the
+    /// order are skipped: right-hand sides of few entries are cheap.
+    virtual void solve(FactorBlock& x) const = 0;
+
+protected:
+    /// Throws Error(solve_failed) unless the pivots say that the matrix is definite.
+    static void require_definite(bool finished, double smallest_pivot, double largest_pivot);
+};
+
+/// "cholmod", "eigen": the libraries compiled into this build, in order of preference.
+const std::vector<std::string>& sparse_factor_names();
+
+/// `name` empty: the first of the list. Throws Error(unsupported) naming those that there are.
+std::unique_ptr<SparseFactor> make_sparse_factor(const std::string& name);
+
+}  // namespace palpate
