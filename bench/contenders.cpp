@@ -91,7 +91,7 @@ LinearSolverOptions options_for(const std::string& backend, LinearMethod method)
 
 /// Every way of ours to solve. The direct solver works on the host, whatever the back end.
 std::vector<OurEntry> our_entries() {
-    constexpr Index most_dofs_direct = 100000;  // Eigen's factorisation takes minutes above
+    constexpr Index most_dofs_direct = 400000;  // a factor of a million takes tens of GiB
     std::vector<OurEntry> entries;
     for (const BackendEntry& backend : backend_registry()) {
         if (backend.name == "reference") continue;

@@ -167,7 +167,6 @@ void drop_output_file(int& argc, char** argv) {
 int main(int argc, char** argv) {
     using namespace palpate::bench;
     const std::filesystem::path folder = take_mesh_folder(argc, argv);
-    limit_memory_from_environment();
     const ParallelRun run = parallel_run();
     if (run.rank > 0) drop_output_file(argc, argv);
     benchmark::Initialize(&argc, argv);

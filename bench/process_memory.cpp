@@ -3,17 +3,16 @@
 #include "bench/process_memory.hpp"
 
 #include <malloc.h>
-#include <sys/resource.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <string>
 
 namespace palpate::bench {
 namespace {
 
-double status_mib(const std::string& key) {
-    std::ifstream file("/proc/self/status");
+/// The number of KiB that follows `key` in a file of /proc, as MiB.
+double mib_in(const char* path, const std::string& key) {
+    std::ifstream file(path);
     for (std::string word; file >> word;) {
         double kib = 0;
         if (word == key && file >> kib) return kib / 1024;
@@ -28,17 +27,8 @@ void reset_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5\n";
 }
 
-double memory_mib() { return status_mib("VmRSS:"); }
-double peak_memory_mib() { return status_mib("VmHWM:"); }
-
-void limit_memory_from_environment() {
-    const char* text = std::getenv("PALPATE_BENCH_MEMORY_GIB");
-    const double gib = text ? std::atof(text) : 0;
-    if (!(gib > 0)) return;
-    rlimit limit{};
-    getrlimit(RLIMIT_AS, &limit);
-    limit.rlim_cur = static_cast<rlim_t>(gib * (1 << 30));
-    setrlimit(RLIMIT_AS, &limit);
-}
+double memory_mib() { return mib_in("/proc/self/status", "VmRSS:"); }
+double peak_memory_mib() { return mib_in("/proc/self/status", "VmHWM:"); }
+double available_memory_mib() { return mib_in("/proc/meminfo", "MemAvailable:"); }
 
 }  // namespace palpate::bench

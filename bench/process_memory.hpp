@@ -12,9 +12,6 @@ void reset_peak_memory();
 double memory_mib();       ///< resident now; 0 where /proc does not say
 double peak_memory_mib();  ///< largest resident since the reset
 
-/// Limits this process to the number of GiB in the environment variable
-/// PALPATE_BENCH_MEMORY_GIB, so that a solver that asks for more is skipped rather than the machine
-/// brought down. Address space is what counts: ask for a few GiB more than a GPU driver maps.
-void limit_memory_from_environment();
+double available_memory_mib();  ///< what the machine could still give; 0 where /proc does not say
 
 }  // namespace palpate::bench

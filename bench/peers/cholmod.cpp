@@ -4,6 +4,7 @@
 #include <cholmod.h>
 
 #include "bench/peers/peers.hpp"
+#include "bench/process_memory.hpp"
 #include "solver/base/error.hpp"
 
 extern "C" char* openblas_get_config() __attribute__((weak));
@@ -36,9 +37,14 @@ public:
         check("hold the matrix");
         copy_lower(matrix, *lower);
         factor_ = cholmod_analyze(lower, &common_);
-        if (common_.status == CHOLMOD_OK) cholmod_factorize(lower, factor_, &common_);
+        const bool fits = common_.status == CHOLMOD_OK && factor_fits();
+        if (fits) cholmod_factorize(lower, factor_, &common_);
         cholmod_free_sparse(&lower, &common_);
         check("factorise");
+        if (!fits)
+            throw Error(ErrorCode::out_of_memory, "CHOLMOD's factor would take " +
+                                                      std::to_string(int(factor_mib())) +
+                                                      " MiB, more than the memory that is left.");
     }
 
     int solve(const Columns& b, Columns& x, double) override {
@@ -87,6 +93,16 @@ private:
             }
         }
         offset[matrix.num_rows()] = used;
+    }
+
+    /// Of the supernodes and the largest update to one of them, known from the analysis.
+    double factor_mib() const {
+        return 8.0 * (double(factor_->xsize) + double(factor_->maxcsize)) / (1 << 20);
+    }
+    bool factor_fits() const {
+        constexpr double share = 0.9;  // some is left to everything else
+        const double available = available_memory_mib();
+        return available == 0 || factor_mib() < share * available;
     }
 
     void check(const std::string& task) const {
