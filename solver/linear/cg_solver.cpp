@@ -61,6 +61,7 @@ public:
         if (!hierarchy_) return;
         hierarchy_->update(system_.stiffness());
         multigrid_->update(*hierarchy_);
+        hierarchy_->drop_values();
     }
 
     LinearSolverSummary solve(const Columns& b, Columns& x, const ProgressSink& progress) override;
@@ -85,6 +86,7 @@ private:
             single_->prepare(system_.model());
         }
         auto multigrid = std::make_unique<Multigrid>(is_mixed ? *single_ : *backend_, *hierarchy_);
+        hierarchy_->drop_values();
         multigrid_ = multigrid.get();
         preconditioner_ = is_mixed
                               ? make_precision_bridge(*backend_, *single_, std::move(multigrid))

@@ -53,8 +53,8 @@ Mesh renumbered(const Mesh& mesh, const std::vector<Index>& order) {
     std::vector<Vec3> centroids;
     centroids.reserve(mesh.tets.size());
     for (const Tet& t : mesh.tets)
-        centroids.push_back(0.25 * (mesh.nodes[t[0]] + mesh.nodes[t[1]] + mesh.nodes[t[2]] +
-                                    mesh.nodes[t[3]]));
+        centroids.push_back(
+            0.25 * (mesh.nodes[t[0]] + mesh.nodes[t[1]] + mesh.nodes[t[2]] + mesh.nodes[t[3]]));
     result.tets.reserve(mesh.tets.size());
     result.region.reserve(mesh.tets.size());
     for (Index t : spatial_order(centroids)) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/backends/opencl/device_blocks.hpp"
 
+#include <algorithm>
+
 #include "solver/base/parallel.hpp"
 
 namespace palpate {
@@ -9,21 +11,20 @@ namespace {
 
 constexpr std::size_t block_padding = 4;  // reals that multiply_blocks.cl may read past the end
 constexpr Index blocks_per_thread = 5000;
+constexpr Index blocks_per_write = 1 << 18;  // bounds the copies on the host
 
-/// Blocks column by column, as the kernels read them.
-std::vector<double> column_by_column(const BlockMatrix& matrix) {
-    std::vector<double> turned(matrix.blocks.size());
+/// The blocks [first, last) column by column, as the kernels read them.
+std::vector<double> column_by_column(const BlockMatrix& matrix, Index first, Index last) {
     const int rows = matrix.block_rows, columns = matrix.block_columns;
-    parallel_ranges(static_cast<Index>(matrix.graph.items.size()), blocks_per_thread,
-                    [&](Index first, Index last) {
-                        for (Index k = first; k < last; ++k) {
-                            const double* from = matrix.block(k);
-                            double* to = turned.data() + (from - matrix.blocks.data());
-                            for (int i = 0; i < rows; ++i)
-                                for (int j = 0; j < columns; ++j)
-                                    to[rows * j + i] = from[columns * i + j];
-                        }
-                    });
+    std::vector<double> turned(static_cast<std::size_t>(last - first) * rows * columns);
+    parallel_ranges(last - first, blocks_per_thread, [&](Index begin, Index end) {
+        for (Index k = begin; k < end; ++k) {
+            const double* from = matrix.block(first + k);
+            double* to = turned.data() + static_cast<std::size_t>(k) * rows * columns;
+            for (int i = 0; i < rows; ++i)
+                for (int j = 0; j < columns; ++j) to[rows * j + i] = from[columns * i + j];
+        }
+    });
     return turned;
 }
 
@@ -44,7 +45,11 @@ DeviceBlocks::DeviceBlocks(const Session& session, const Adjacency& graph, int b
 
 void DeviceBlocks::set_values(const Session& session, const BlockMatrix& matrix,
                               std::span<const double> inverse_diagonal) {
-    session.write_real(column_by_column(matrix), blocks_);
+    const Index count = static_cast<Index>(num_blocks_);
+    for (Index first = 0; first < count; first += blocks_per_write)
+        session.write_real(
+            column_by_column(matrix, first, std::min(count, first + blocks_per_write)), blocks_,
+            static_cast<std::size_t>(first) * matrix.block_size());
     if (is_square_) session.write_real(inverse_diagonal, inverse_diagonal_);
 }
 

@@ -37,15 +37,17 @@ cl::Buffer Session::upload_real(std::span<const double> values) const {
     return buffer;
 }
 
-void Session::write_real(std::span<const double> values, const cl::Buffer& buffer) const {
+void Session::write_real(std::span<const double> values, const cl::Buffer& buffer,
+                         std::size_t first) const {
     if (values.empty()) return;
     if (is_double()) {
-        device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, values.size_bytes(), values.data());
+        device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, first * sizeof(double),
+                                          values.size_bytes(), values.data());
         return;
     }
     const std::vector<float> rounded(values.begin(), values.end());
-    device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, rounded.size() * sizeof(float),
-                                      rounded.data());
+    device_->queue.enqueueWriteBuffer(buffer, CL_TRUE, first * sizeof(float),
+                                      rounded.size() * sizeof(float), rounded.data());
 }
 
 void Session::read_real(const cl::Buffer& buffer, std::span<double> values) const {

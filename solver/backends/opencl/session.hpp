@@ -63,7 +63,9 @@ public:
     template <class T>
     cl::Buffer upload(const std::vector<T>& values) const;
     cl::Buffer upload_real(std::span<const double> values) const;
-    void write_real(std::span<const double> values, const cl::Buffer& buffer) const;
+    /// `first`: where in the buffer, in reals.
+    void write_real(std::span<const double> values, const cl::Buffer& buffer,
+                    std::size_t first = 0) const;
     void read_real(const cl::Buffer& buffer, std::span<double> values) const;
     /// Sums of the device's widest type (`wide` of real.cl).
     void write_wide(std::span<const double> values, const cl::Buffer& buffer) const;

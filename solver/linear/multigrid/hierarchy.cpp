@@ -225,13 +225,15 @@ std::span<const Index> list(const Adjacency& graph, Index row) {
     return {graph.items.data() + graph.offsets[row], graph.items.data() + graph.offsets[row + 1]};
 }
 
+void release(std::vector<double>& values) { std::vector<double>().swap(values); }
+
+/// A pattern without values.
 BlockMatrix empty_matrix(Adjacency graph, Index num_columns, int block_rows, int block_columns) {
     BlockMatrix matrix;
     matrix.graph = std::move(graph);
     matrix.num_columns = num_columns;
     matrix.block_rows = block_rows;
     matrix.block_columns = block_columns;
-    matrix.blocks.resize(matrix.graph.items.size() * matrix.block_size());
     return matrix;
 }
 
@@ -333,6 +335,14 @@ void Hierarchy::update(const StiffnessMatrix& stiffness) {
     for (std::size_t l = 0; l < levels_.size(); ++l) compute_values(l, matrix_of(l, stiffness));
 }
 
+void Hierarchy::drop_values() {
+    for (MultigridLevel& level : levels_) {
+        for (BlockMatrix* matrix : {&level.matrix, &level.prolongation}) release(matrix->blocks);
+        release(level.inverse_diagonal);
+    }
+    coarsest_inverse_.resize(0, 0);
+}
+
 void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
     MultigridLevel& level = levels_[l];
     const int b = matrix.block_rows;
@@ -367,6 +377,9 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
     }
     level.largest_eigenvalue = largest_eigenvalue(matrix, level.inverse_diagonal, held);
 
+    BlockMatrix& coarse = levels_[l + 1].matrix;
+    for (BlockMatrix* wanted : {&level.prolongation, &level.product, &coarse})
+        wanted->blocks.resize(wanted->graph.items.size() * wanted->block_size());
     const std::vector<double> tentative = tentative_prolongation(level, b, levels_[l + 1].modes);
     in_parallel(matrix.num_rows(), [&](Index first, Index last) {
         smooth_prolongation(matrix, first, last, level.inverse_diagonal.data(),
@@ -384,13 +397,13 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
     in_parallel(matrix.num_rows(), [&](Index first, Index last) {
         multiply_prolongation(matrix, level.prolongation, first, last, level.product);
     });
-    BlockMatrix& coarse = levels_[l + 1].matrix;
     in_parallel(coarse.num_rows(), [&](Index first, Index last) {
         multiply_restriction(level.prolongation, level.members, level.member_entries.data(),
                              level.product, first, last, coarse);
     });
     in_parallel(coarse.num_rows(),
                 [&](Index first, Index last) { mirror_upper_triangle(coarse, first, last); });
+    release(level.product.blocks);
     hold_missing_modes(coarse);
 }
 
@@ -400,6 +413,7 @@ BlockMatrix transposed(const BlockMatrix& matrix) {
     transpose_pattern(matrix, rows, entries);
     BlockMatrix result =
         empty_matrix(std::move(rows), matrix.num_rows(), matrix.block_columns, matrix.block_rows);
+    result.blocks.resize(matrix.blocks.size());
     for (std::size_t k = 0; k < entries.size(); ++k) {
         const double* from = matrix.block(entries[k]);
         double* to = result.block(static_cast<Index>(k));

@@ -20,7 +20,7 @@ struct MultigridLevel {
     double largest_eigenvalue = 0;         ///< of D^-1 A, estimated from below
     Aggregates aggregates;                 ///< nodes of the next level
     BlockMatrix prolongation;              ///< [nodes here, nodes of the next level], b x 6 blocks
-    BlockMatrix product;                   ///< pattern of A P, kept for new values
+    BlockMatrix product;                   ///< pattern of A P; its values come and go
     Adjacency members;                     ///< rows of `prolongation` per block column
     std::vector<Index> member_entries;     ///< and their entries in it
     Eigen::MatrixXd modes;                 ///< [b num_nodes, 6] near-null space
@@ -40,6 +40,10 @@ public:
 
     /// New values for the same mesh and prescribed dofs.
     void update(const StiffnessMatrix& stiffness);
+
+    /// Frees all values but keeps the patterns: what is left to do once a device has them.
+    /// `update` brings them back.
+    void drop_values();
 
     std::span<const MultigridLevel> levels() const { return levels_; }
     /// Inverse of the coarsest matrix, symmetric, dense. Empty if level 0 has no free dof.
