@@ -5,15 +5,17 @@
 #include <cstdint>
 
 #include "solver/backends/kokkos/device_arrays.hpp"
+#include "solver/backends/kokkos/lanes.hpp"
+#include "solver/base/multiversion.hpp"
 
 // How loops over [items, columns] are cut for any execution space, and how they sum.
 //
 // A body is a copyable struct of arrays and numbers with
 //   static constexpr Index part_length    items of one part on a host
 //   template <int width> KOKKOS_INLINE_FUNCTION
-//   void run(Index first, Index last, Index column, double (&sums)[width]) const
+//   void run(Index first, Index last, Index column, Lanes<double, width>& sums) const
 // that handles items [first, last) for the columns [column, column + width) and may add to the sums
-// of those columns. On a host one thread takes a part, 64 bytes of neighbouring columns at a time,
+// of those columns. On a host one thread takes a part, 128 bytes of neighbouring columns at a time,
 // which the compiler turns into vector instructions; on a GPU neighbouring threads take
 // neighbouring columns. The cut depends on the sizes alone, and so do the bits of every sum.
 namespace palpate {
@@ -32,9 +34,17 @@ private:
     Array<double> levels_[2];
 };
 
+/// One part on a host, with the vector instructions of the processor it runs on.
+template <int width, typename Body>
+PALPATE_MULTIVERSION PALPATE_FLATTEN void run_on_host(const Body& body, Index first, Index last,
+                                                      Index column, Lanes<double, width>& sums) {
+    const Body local = body;  // the compiler then knows that no result changes it
+    local.template run<width>(first, last, column, sums);
+}
+
 template <typename Body, typename Real>
 struct ColumnSweep {
-    static constexpr int tile = runs_on_host ? 64 / static_cast<int>(sizeof(Real)) : 1;
+    static constexpr int tile = runs_on_host ? 128 / static_cast<int>(sizeof(Real)) : 1;
     static constexpr Index part_length =
         runs_on_host ? Body::part_length : (Body::part_length + 7) / 8;
 
@@ -54,13 +64,14 @@ struct ColumnSweep {
     KOKKOS_INLINE_FUNCTION void run_columns(Index part, Index column, Index end) const {
         const Index first = part * part_length;
         const Index last = items - first < part_length ? items : first + part_length;
-        const Body local = body;  // the compiler then knows that no result changes it
         for (; column + width <= end; column += width) {
-            double sums[width] = {};
-            local.template run<width>(first, last, column, sums);
-            if (partial)
-                for (int c = 0; c < width; ++c)
-                    partial[static_cast<std::int64_t>(part) * columns + column + c] = sums[c];
+            Lanes<double, width> sums;
+            sums.clear();
+            if constexpr (runs_on_host)
+                run_on_host<width>(body, first, last, column, sums);
+            else
+                body.template run<width>(first, last, column, sums);
+            if (partial) sums.store(partial + static_cast<std::int64_t>(part) * columns + column);
         }
         if constexpr (width > 1) run_columns<width / 2>(part, column, end);
     }

@@ -22,41 +22,51 @@ struct ElementWorkBody {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void run(Index first, Index last, Index column,
-                                    double (&sums)[width]) const {
+                                    Lanes<double, width>& sums) const {
         for (Index item = first; item < last; ++item) {
             const std::int64_t t = list[item];
             const DeviceTet4<Real> tet = geometry(t);
-            for (int c = 0; c < width; ++c) {
-                Real of_lambda[6], of_x[6];
-                strain(t, tet, lambda + column + c, of_lambda);
-                strain(t, tet, x + column + c, of_x);
-                sums[c] += static_cast<double>(tet.volume * work(of_lambda, of_x));
-            }
+            Lanes<Real, width> of_lambda[6], of_x[6];
+            strain(t, tet, lambda + column, of_lambda);
+            strain(t, tet, x + column, of_x);
+            add_work(tet.volume, of_lambda, of_x, sums);
         }
     }
 
     /// xx, yy, zz, xy, yz, zx of (grad u + grad u^T) / 2
+    template <int width>
     KOKKOS_INLINE_FUNCTION void strain(std::int64_t t, const DeviceTet4<Real>& tet, const Real* u,
-                                       Real (&e)[6]) const {
-        for (int i = 0; i < 6; ++i) e[i] = 0;
+                                       Lanes<Real, width> (&e)[6]) const {
+        for (int i = 0; i < 6; ++i) e[i].clear();
         for (int a = 0; a < 4; ++a) {
-            const Real* const ua =
-                u + 3 * static_cast<std::int64_t>(geometry.tets[4 * t + a]) * columns;
+            const std::int64_t row = 3 * static_cast<std::int64_t>(geometry.tets[4 * t + a]);
+            Lanes<Real, width> ua[3];
+            for (int i = 0; i < 3; ++i) ua[i].load(u + (row + i) * columns);
             for (int i = 0; i < 3; ++i) {
                 const int j = (i + 1) % 3;
-                const Real ui = ua[static_cast<std::int64_t>(i) * columns];
-                const Real uj = ua[static_cast<std::int64_t>(j) * columns];
-                e[i] += ui * tet.gradient[a][i];
-                e[3 + i] += Real(0.5) * (ui * tet.gradient[a][j] + uj * tet.gradient[a][i]);
+                e[i].add_product(tet.gradient[a][i], ua[i]);
+                e[3 + i].add_product(Real(0.5) * tet.gradient[a][j], ua[i]);
+                e[3 + i].add_product(Real(0.5) * tet.gradient[a][i], ua[j]);
             }
         }
     }
 
-    KOKKOS_INLINE_FUNCTION Real work(const Real (&l)[6], const Real (&m)[6]) const {
-        const Real traces = (l[0] + l[1] + l[2]) * (m[0] + m[1] + m[2]);
-        const Real normal = l[0] * m[0] + l[1] * m[1] + l[2] * m[2];
-        const Real shear = l[3] * m[3] + l[4] * m[4] + l[5] * m[5];
-        return lame_lambda * traces + 2 * lame_mu * (normal + 2 * shear);
+    template <int width>
+    KOKKOS_INLINE_FUNCTION void add_work(Real volume, Lanes<Real, width> (&l)[6],
+                                         const Lanes<Real, width> (&m)[6],
+                                         Lanes<double, width>& sums) const {
+        Lanes<Real, width> trace;
+        trace.clear();
+        for (int i = 0; i < 3; ++i) trace.add(m[i]);
+        for (int i = 0; i < 3; ++i) {
+            Lanes<Real, width> stress = m[i];
+            stress.scale(2 * lame_mu);
+            stress.add_product(lame_lambda, trace);
+            l[i].scale(volume);
+            sums.add_wide_product(l[i], stress);
+            l[3 + i].scale(4 * lame_mu * volume);
+            sums.add_wide_product(l[3 + i], m[3 + i]);
+        }
     }
 };
 

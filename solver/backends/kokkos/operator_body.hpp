@@ -39,55 +39,59 @@ struct OperatorBody {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void run(Index first, Index last, Index column,
-                                    double (&sums)[width]) const {
-        Real product[max_block][width];
+                                    Lanes<double, width>& sums) const {
+        Lanes<Real, width> product[max_block];
         for (Index n = first; n < last; ++n) {
             rows.template multiply<width>(n, step.x + column, step.columns, product);
-            const std::int64_t start =
+            const std::int64_t at =
                 static_cast<std::int64_t>(n) * rows.block_rows() * step.columns + column;
             if (step.kind == StepKind::smooth)
-                smooth(n, start, product, sums);
+                smooth(n, at, product, sums);
             else
                 for (int i = 0; i < rows.block_rows(); ++i)
-                    write_row(start + static_cast<std::int64_t>(i) * step.columns, product[i],
-                              sums);
+                    write_row(at + static_cast<std::int64_t>(i) * step.columns, product[i], sums);
         }
     }
 
     template <int width>
-    KOKKOS_INLINE_FUNCTION void write_row(std::int64_t at, const Real (&product)[width],
-                                          double (&sums)[width]) const {
-        if (step.kind == StepKind::product)
-            for (int c = 0; c < width; ++c) step.y[at + c] = product[c];
-        else if (step.kind == StepKind::add)
-            for (int c = 0; c < width; ++c) step.y[at + c] += product[c];
-        else
-            for (int c = 0; c < width; ++c) step.y[at + c] = step.b[at + c] - product[c];
-        if (step.is_square && step.kind == StepKind::product)
-            for (int c = 0; c < width; ++c)
-                sums[c] += static_cast<double>(step.x[at + c]) * static_cast<double>(product[c]);
+    KOKKOS_INLINE_FUNCTION void write_row(std::int64_t at, Lanes<Real, width>& product,
+                                          Lanes<double, width>& sums) const {
+        Lanes<Real, width> other;
+        if (step.kind == StepKind::product && step.is_square) {
+            other.load(step.x + at);
+            sums.add_wide_product(other, product);
+        } else if (step.kind == StepKind::add) {
+            other.load(step.y + at);
+            product.add(other);
+        } else if (step.kind == StepKind::residual) {
+            other.load(step.b + at);
+            product.subtract_from(other);
+        }
+        product.store(step.y + at);
     }
 
     template <int width>
-    KOKKOS_INLINE_FUNCTION void smooth(std::int64_t n, std::int64_t start,
-                                       const Real (&product)[max_block][width],
-                                       double (&sums)[width]) const {
+    KOKKOS_INLINE_FUNCTION void smooth(std::int64_t n, std::int64_t at,
+                                       Lanes<Real, width> (&rest)[max_block],
+                                       Lanes<double, width>& sums) const {
         const int block = rows.block_rows();
-        Real rest[max_block][width], change[max_block][width];
-        for (int i = 0; i < block; ++i)
-            for (int c = 0; c < width; ++c)
-                rest[i][c] =
-                    step.b[start + static_cast<std::int64_t>(i) * step.columns + c] - product[i][c];
+        Lanes<Real, width> change[max_block], other;
+        for (int i = 0; i < block; ++i) {
+            other.load(step.b + at + static_cast<std::int64_t>(i) * step.columns);
+            rest[i].subtract_from(other);
+        }
         multiply_block(step.inverse_diagonal + n * block * block, block, step.weight, rest, change);
         for (int i = 0; i < block; ++i) {
-            const std::int64_t at = start + static_cast<std::int64_t>(i) * step.columns;
-            if (step.beta != 0)
-                for (int c = 0; c < width; ++c) change[i][c] += step.beta * step.y[at + c];
-            for (int c = 0; c < width; ++c) {
-                change[i][c] += step.alpha * step.x[at + c];
-                sums[c] += static_cast<double>(step.b[at + c]) * static_cast<double>(change[i][c]);
+            const std::int64_t row = at + static_cast<std::int64_t>(i) * step.columns;
+            if (step.beta != 0) {
+                other.load(step.y + row);
+                change[i].add_product(step.beta, other);
             }
-            for (int c = 0; c < width; ++c) step.y[at + c] = change[i][c];
+            other.load(step.x + row);
+            change[i].add_product(step.alpha, other);
+            other.load(step.b + row);
+            sums.add_wide_product(other, change[i]);
+            change[i].store(step.y + row);
         }
     }
 };

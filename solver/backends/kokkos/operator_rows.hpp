@@ -16,15 +16,13 @@
 namespace palpate {
 
 /// product[i] += block x for some rows of one dense block.
-template <int num_rows, int num_columns, int width, typename Real>
+template <int num_columns, typename Real, int num_rows, int width>
 KOKKOS_INLINE_FUNCTION void add_block(const Real* block, const Real* x, Index columns,
-                                      Real (&product)[num_rows][width]) {
+                                      Lanes<Real, width> (&product)[num_rows]) {
     for (int j = 0; j < num_columns; ++j) {
-        const Real* const xj = x + static_cast<std::int64_t>(j) * columns;
-        for (int i = 0; i < num_rows; ++i) {
-            const Real factor = block[num_columns * i + j];
-            for (int c = 0; c < width; ++c) product[i][c] += factor * xj[c];
-        }
+        Lanes<Real, width> xj;
+        xj.load(x + static_cast<std::int64_t>(j) * columns);
+        for (int i = 0; i < num_rows; ++i) product[i].add_product(block[num_columns * i + j], xj);
     }
 }
 
@@ -42,16 +40,16 @@ struct BlockRows {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void multiply(Index n, const Real* x, Index columns,
-                                         Real (&product)[max_block][width]) const {
+                                         Lanes<Real, width> (&product)[max_block]) const {
         for (int i = 0; i < rows; i += rows_at_once) {
-            Real sum[rows_at_once][width] = {};
+            Lanes<Real, width> sum[rows_at_once];
+            for (int r = 0; r < rows_at_once; ++r) sum[r].clear();
             for (std::int64_t k = offsets[n]; k < offsets[n + 1]; ++k)
-                add_block<rows_at_once, block_columns>(
+                add_block<block_columns>(
                     blocks + (rows * k + i) * block_columns,
                     x + static_cast<std::int64_t>(items[k]) * block_columns * columns, columns,
                     sum);
-            for (int r = 0; r < rows_at_once; ++r)
-                for (int c = 0; c < width; ++c) product[i + r][c] = sum[r][c];
+            for (int r = 0; r < rows_at_once; ++r) product[i + r] = sum[r];
         }
     }
 };
@@ -67,21 +65,22 @@ struct AnyBlockRows {
     int rows;
     int block_columns;
 
-    KOKKOS_INLINE_FUNCTION int block_rows() const { return rows; }
+    /// Says to the compiler what the back end has checked.
+    KOKKOS_INLINE_FUNCTION int block_rows() const { return rows < max_block ? rows : max_block; }
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void multiply(Index n, const Real* x, Index columns,
-                                         Real (&product)[max_block][width]) const {
-        for (int i = 0; i < rows; ++i) {
-            Real sum[width] = {};
+                                         Lanes<Real, width> (&product)[max_block]) const {
+        for (int i = 0; i < block_rows(); ++i) {
+            Lanes<Real, width> sum[1];
+            sum[0].clear();
             for (std::int64_t k = offsets[n]; k < offsets[n + 1]; ++k)
-                for (int j = 0; j < block_columns; ++j) {
-                    const Real factor = blocks[(rows * k + i) * block_columns + j];
-                    const Real* const xj =
-                        x + (static_cast<std::int64_t>(items[k]) * block_columns + j) * columns;
-                    for (int c = 0; c < width; ++c) sum[c] += factor * xj[c];
-                }
-            for (int c = 0; c < width; ++c) product[i][c] = sum[c];
+                for (int j = 0; j < block_columns; ++j)
+                    add_block<1>(
+                        blocks + (rows * k + i) * block_columns + j,
+                        x + (static_cast<std::int64_t>(items[k]) * block_columns + j) * columns,
+                        columns, sum);
+            product[i] = sum[0];
         }
     }
 };
@@ -109,8 +108,9 @@ struct ElementRows {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void multiply(Index n, const Real* x, Index columns,
-                                         Real (&product)[max_block][width]) const {
-        Real sum[3][width] = {};
+                                         Lanes<Real, width> (&product)[max_block]) const {
+        Lanes<Real, width> sum[3];
+        for (int i = 0; i < 3; ++i) sum[i].clear();
         for (Index k = mesh.corner_offsets[n]; k < mesh.corner_offsets[n + 1]; ++k) {
             const Index corner = mesh.corners[k];
             const std::int64_t t = corner / 4;
@@ -122,14 +122,13 @@ struct ElementRows {
                 tet4_stiffness_block(tet, corner % 4, b, static_cast<Real>(lame[0]),
                                      static_cast<Real>(lame[1]), block);
                 if (mesh.prescribed) clear_columns(m, block);
-                add_block<3, 3>(block, x + 3 * m * columns, columns, sum);
+                add_block<3>(block, x + 3 * m * columns, columns, sum);
             }
         }
         for (int i = 0; i < 3; ++i) {
             const std::int64_t row = 3 * static_cast<std::int64_t>(n) + i;
-            const bool is_identity = mesh.prescribed && mesh.prescribed[row];
-            for (int c = 0; c < width; ++c)
-                product[i][c] = is_identity ? x[row * columns + c] : sum[i][c];
+            if (mesh.prescribed && mesh.prescribed[row]) sum[i].load(x + row * columns);
+            product[i] = sum[i];
         }
     }
 

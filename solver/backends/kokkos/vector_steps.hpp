@@ -18,12 +18,12 @@ struct DotBody {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void run(Index first, Index last, Index column,
-                                    double (&sums)[width]) const {
+                                    Lanes<double, width>& sums) const {
         for (std::int64_t row = first; row < last; ++row) {
-            const Real* const xr = x + row * columns + column;
-            const Real* const yr = y + row * columns + column;
-            for (int c = 0; c < width; ++c)
-                sums[c] += static_cast<double>(xr[c]) * static_cast<double>(yr[c]);
+            Lanes<Real, width> xr, yr;
+            xr.load(x + row * columns + column);
+            yr.load(y + row * columns + column);
+            sums.add_wide_product(xr, yr);
         }
     }
 };
@@ -49,26 +49,28 @@ struct AdvanceBody {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void run(Index first, Index last, Index column,
-                                    double (&sums)[width]) const {
-        Real step[width];
-        for (int c = 0; c < width; ++c) step[c] = step_of(column + c);
+                                    Lanes<double, width>& sums) const {
+        Real steps[width];
+        for (int c = 0; c < width; ++c) steps[c] = step_of(column + c);
+        Lanes<Real, width> step;
+        step.load(steps);
         for (std::int64_t row = first; row < last; ++row) {
-            const std::int64_t start = row * columns + column;
-            Real new_x[width], new_r[width];
-            for (int c = 0; c < width; ++c) {
-                new_x[c] = x[start + c] + step[c] * p[start + c];
-                new_r[c] = r[start + c] - step[c] * q[start + c];
-            }
-            for (int c = 0; c < width; ++c) {
-                x[start + c] = new_x[c];
-                r[start + c] = new_r[c];
-                sums[c] += static_cast<double>(new_r[c]) * static_cast<double>(new_r[c]);
-            }
+            const std::int64_t at = row * columns + column;
+            Lanes<Real, width> pr, qr, xr, rr_row;
+            pr.load(p + at);
+            qr.load(q + at);
+            xr.load(x + at);
+            rr_row.load(r + at);
+            xr.add_product(step, pr);
+            rr_row.subtract_product(step, qr);
+            xr.store(x + at);
+            rr_row.store(r + at);
+            sums.add_wide_product(rr_row, rr_row);
         }
     }
 };
 
-/// p = z + (rz_new / rz) p, or p = z where rz is not positive.
+/// p = z + (rz_new / rz) p, or p = z, without a look at the old p, where rz is not positive.
 template <typename Real>
 struct TurnBody {
     static constexpr Index part_length = 256;
@@ -81,21 +83,26 @@ struct TurnBody {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void run(Index first, Index last, Index column,
-                                    double (&)[width]) const {
-        bool keeps[width];
-        Real factor[width];
+                                    Lanes<double, width>&) const {
+        bool all_turn = true;
+        Real factors[width];
         for (int c = 0; c < width; ++c) {
-            keeps[c] = rz[column + c] > 0;
-            factor[c] = keeps[c] ? static_cast<Real>(rz_new[column + c] / rz[column + c]) : Real(0);
+            const bool turns = rz[column + c] > 0;
+            all_turn = all_turn && turns;
+            factors[c] = turns ? static_cast<Real>(rz_new[column + c] / rz[column + c]) : Real(0);
         }
+        Lanes<Real, width> factor;
+        factor.load(factors);
         for (std::int64_t row = first; row < last; ++row) {
-            const std::int64_t start = row * columns + column;
-            Real turned[width];
-            for (int c = 0; c < width; ++c) {
-                const Real old = keeps[c] ? p[start + c] : Real(0);
-                turned[c] = z[start + c] + factor[c] * old;
-            }
-            for (int c = 0; c < width; ++c) p[start + c] = turned[c];
+            const std::int64_t at = row * columns + column;
+            Lanes<Real, width> pr, turned;
+            if (!all_turn)
+                for (int c = 0; c < width; ++c)
+                    if (!(rz[column + c] > 0)) p[at + c] = 0;
+            pr.load(p + at);
+            turned.load(z + at);
+            turned.add_product(factor, pr);
+            turned.store(p + at);
         }
     }
 };
@@ -117,19 +124,17 @@ struct CopyColumns {
     }
 };
 
-/// out = weight D in with one block D of at most `max_block` rows, both as local rows of some
-/// columns.
-constexpr int max_block = 6;
+constexpr int max_block = 6;  ///< rows and columns of a block of any matrix
 
-template <int width, typename Real>
+/// out = weight D in with one block D of `block` rows.
+template <typename Real, int width>
 KOKKOS_INLINE_FUNCTION void multiply_block(const Real* d, int block, Real weight,
-                                           const Real (&in)[max_block][width],
-                                           Real (&out)[max_block][width]) {
+                                           const Lanes<Real, width> (&in)[max_block],
+                                           Lanes<Real, width> (&out)[max_block]) {
     for (int i = 0; i < block; ++i) {
-        Real sum[width] = {};
-        for (int j = 0; j < block; ++j)
-            for (int c = 0; c < width; ++c) sum[c] += d[block * i + j] * in[j][c];
-        for (int c = 0; c < width; ++c) out[i][c] = weight * sum[c];
+        out[i].clear();
+        for (int j = 0; j < block; ++j) out[i].add_product(d[block * i + j], in[j]);
+        out[i].scale(weight);
     }
 }
 
@@ -148,19 +153,25 @@ struct InverseDiagonalBody {
 
     template <int width>
     KOKKOS_INLINE_FUNCTION void run(Index first, Index last, Index column,
-                                    double (&sums)[width]) const {
-        Real in[max_block][width], out[max_block][width];
+                                    Lanes<double, width>& sums) const {
+        if (block == 3)
+            run_blocks<width>(3, first, last, column, sums);  // a number that the compiler knows
+        else
+            run_blocks<width>(block < max_block ? block : max_block, first, last, column, sums);
+    }
+
+    template <int width>
+    KOKKOS_INLINE_FUNCTION void run_blocks(int b, Index first, Index last, Index column,
+                                           Lanes<double, width>& sums) const {
+        Lanes<Real, width> in[max_block], out[max_block];
         for (std::int64_t n = first; n < last; ++n) {
-            const std::int64_t start = n * block * columns + column;
-            for (int i = 0; i < block; ++i)
-                for (int c = 0; c < width; ++c)
-                    in[i][c] = r[start + static_cast<std::int64_t>(i) * columns + c];
-            multiply_block(inverse_diagonal + n * block * block, block, weight, in, out);
-            for (int i = 0; i < block; ++i)
-                for (int c = 0; c < width; ++c) {
-                    sums[c] += static_cast<double>(in[i][c]) * static_cast<double>(out[i][c]);
-                    z[start + static_cast<std::int64_t>(i) * columns + c] = out[i][c];
-                }
+            const std::int64_t at = n * b * columns + column;
+            for (int i = 0; i < b; ++i) in[i].load(r + at + static_cast<std::int64_t>(i) * columns);
+            multiply_block(inverse_diagonal + n * b * b, b, weight, in, out);
+            for (int i = 0; i < b; ++i) {
+                sums.add_wide_product(in[i], out[i]);
+                out[i].store(z + at + static_cast<std::int64_t>(i) * columns);
+            }
         }
     }
 };
