@@ -14,13 +14,20 @@ LinearMethod method_named(const std::string& name) {
     return LinearMethod::automatic;
 }
 
+std::vector<std::string> backend_choices() {
+    std::vector<std::string> choices = {"auto"};
+    for (const BackendEntry& entry : backend_registry()) choices.push_back(entry.name);
+    return choices;
+}
+
 }  // namespace
 
 void add_solver_options(CLI::App& command, SolverArguments& arguments) {
     command
         .add_option("--backend", arguments.backend,
-                    "Who computes: auto (OpenCL), opencl, or reference (host)")
-        ->check(CLI::IsMember({"auto", "opencl", "reference"}))
+                    "Who computes: auto (the first of these), or one of this build: OpenCL, Kokkos "
+                    "(what it was built for), reference (host)")
+        ->check(CLI::IsMember(backend_choices()))
         ->capture_default_str();
     command.add_option("--device", arguments.device,
                        "OpenCL device: a number such as 0.1 or part of its name, see `palpate "
