@@ -31,11 +31,15 @@ constexpr double entries_exponent = 1.45;
 constexpr double factor_gib = 0.06;
 constexpr double largest_factor_gib = 4;
 
-// Jacobi CG through PoCL to 1e-8: each of 16 columns 10 ms at 6.6k and 48 ms at 20.6k; a single
-// column as much as seven of them. Iterations grow as n^(1/3).
-constexpr double jacobi_column = 40e-3;
-constexpr double jacobi_exponent = 4.0 / 3.0;
-constexpr Index fewest_jacobi_columns = 7;
+// Multigrid CG through PoCL to 1e-8 at 18k, 90k, 300k and 1M degrees of freedom: set-up 0.09, 0.65,
+// 2.7, 13 s; each of 16 columns 4.3, 45, 180 ms, and a single column as much as four of them.
+// Loading compiled kernels takes a tenth of a second.
+constexpr double multigrid_start = 0.1;
+constexpr double multigrid_set_up = 0.095;
+constexpr double multigrid_set_up_exponent = 1.2;
+constexpr double multigrid_column = 4.3e-3;
+constexpr double multigrid_column_exponent = 1.35;
+constexpr Index fewest_multigrid_columns = 4;
 constexpr double gpu_speedup = 10;  ///< of a pass over the mesh: memory bandwidth, not measured
 
 double direct_seconds(const DirectCost& cost, double size, Index columns) {
@@ -43,10 +47,11 @@ double direct_seconds(const DirectCost& cost, double size, Index columns) {
            columns * cost.column * std::pow(size, entries_exponent);
 }
 
-double jacobi_seconds(double size, Index columns, const BackendInfo& device) {
-    const double seconds =
-        std::max(columns, fewest_jacobi_columns) * jacobi_column * std::pow(size, jacobi_exponent);
-    return device.type == "GPU" ? seconds / gpu_speedup : seconds;
+double multigrid_seconds(double size, Index columns, const BackendInfo& device) {
+    const double iterations = std::max(columns, fewest_multigrid_columns) * multigrid_column *
+                              std::pow(size, multigrid_column_exponent);
+    return multigrid_start + multigrid_set_up * std::pow(size, multigrid_set_up_exponent) +
+           iterations / (device.type == "GPU" ? gpu_speedup : 1.0);
 }
 
 const DirectCost& direct_cost(const std::string& library) {
@@ -84,12 +89,12 @@ MethodChoice choose_method(const LinearSolverOptions& options, Index num_dofs,
                              " and " + counted(options.expected_columns, "column", "columns");
     const double relative = num_dofs / seed_dofs;
     if (factor_gib * std::pow(relative, entries_exponent) > largest_factor_gib)
-        return {LinearMethod::jacobi, size + ": a factor would not fit into memory"};
+        return {LinearMethod::multigrid, size + ": a factor would not fit into memory"};
     const double direct =
         direct_seconds(direct_cost(options.direct_library), relative, options.expected_columns);
-    if (direct < jacobi_seconds(relative, options.expected_columns, device))
+    if (direct < multigrid_seconds(relative, options.expected_columns, device))
         return {LinearMethod::direct, size + ": factorising once on the host is cheapest"};
-    return {LinearMethod::jacobi, size + ": a factorisation would not pay"};
+    return {LinearMethod::multigrid, size + ": a factorisation would not pay"};
 }
 
 }  // namespace palpate
