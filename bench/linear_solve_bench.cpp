@@ -30,6 +30,7 @@
 #include "bench/process_memory.hpp"
 #include "bench/row_error.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/large_blocks.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -166,6 +167,7 @@ void drop_output_file(int& argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace palpate::bench;
+    palpate::keep_large_blocks();  // for all contenders, as the command line does
     const std::filesystem::path folder = take_mesh_folder(argc, argv);
     const ParallelRun run = parallel_run();
     if (run.rank > 0) drop_output_file(argc, argv);

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
-#include <malloc.h>
 
 #include <new>
 
@@ -9,6 +8,7 @@
 #include "host/cli/console.hpp"
 #include "host/pipeline/version.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/large_blocks.hpp"
 
 namespace {
 
@@ -42,17 +42,10 @@ int parse_and_run(int argc, char** argv) {
     return run();
 }
 
-/// The search makes and drops matrices of a hundred megabytes all the time. Kept by the allocator,
-/// their pages need not be fetched from the system, and cleared, at every step.
-void keep_large_blocks() {
-    mallopt(M_MMAP_THRESHOLD, 1 << 30);
-    mallopt(M_TRIM_THRESHOLD, 2047 << 20);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-    keep_large_blocks();
+    palpate::keep_large_blocks();
     try {
         return parse_and_run(argc, argv);
     } catch (const palpate::Error& error) {
