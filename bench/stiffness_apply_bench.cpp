@@ -23,6 +23,7 @@
 #include "bench/row_error.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/mesh/node_elements.hpp"
+#include "solver/mesh/spatial_order.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -75,7 +76,7 @@ constexpr ProductEntry products[] = {
 /// A back end with a prepared mesh and two vectors.
 struct Bench {
     std::unique_ptr<Backend> backend;
-    const Model* model = nullptr;
+    std::unique_ptr<Model> model;  ///< its nodes in the order in which solvers number them
     std::unique_ptr<DeviceVector> x, y, b, r;
     std::unique_ptr<DeviceSums> one, sums, more_sums;  ///< `one` holds ones
     Index columns = 1;
@@ -127,10 +128,11 @@ Bench make_bench(const std::string& name, const BackendOptions& options, const B
                  Index columns) {
     Bench bench;
     bench.backend = make_backend(name, options);
-    bench.model = &mesh.model;
+    bench.model = std::make_unique<Model>(
+        renumbered(mesh.model, spatial_order(mesh.model.mesh.nodes)));
     bench.columns = columns;
-    bench.backend->prepare(mesh.model);
-    const Index rows = mesh.model.num_dofs();
+    bench.backend->prepare(*bench.model);
+    const Index rows = bench.model->num_dofs();
     bench.x = bench.backend->make_vector(rows, columns);
     for (auto* vector : {&bench.y, &bench.b, &bench.r}) {
         *vector = bench.backend->make_vector(rows, columns);

@@ -21,18 +21,6 @@ double inner_tolerance(Precision precision) {
     return precision == Precision::single ? 1e-5 : 1e-13;
 }
 
-/// The same model with its nodes in `order`.
-Model in_order(const Model& model, const std::vector<Index>& order) {
-    check_model(model);
-    Model result;
-    result.mesh = renumbered(model.mesh, order);
-    result.materials = model.materials;
-    result.prescribed.reserve(model.prescribed.size());
-    for (Index node : order)
-        for (Index c = 0; c < 3; ++c) result.prescribed.push_back(model.prescribed[3 * node + c]);
-    return result;
-}
-
 class CgSolver final : public LinearSolver {
 public:
     CgSolver(const Model& model, std::unique_ptr<Backend> backend,
@@ -40,7 +28,7 @@ public:
         : options_(options),
           choice_(std::move(choice)),
           order_(spatial_order(model.mesh.nodes)),
-          system_(in_order(model, order_)),
+          system_(renumbered(model, order_)),
           backend_(std::move(backend)) {
         backend_->prepare(system_.model());
         if (choice_.method == LinearMethod::multigrid)

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "solver/base/error.hpp"
+#include "solver/mesh/spatial_order.hpp"
 
 namespace palpate {
 namespace {
@@ -63,6 +64,17 @@ void check_model(const Model& model) {
         if (!model.mesh.nodes[n].allFinite())
             refuse("Node " + std::to_string(n) + " has a coordinate that is not finite.");
     for (Index t = 0; t < model.mesh.num_tets(); ++t) check_tet(model, t);
+}
+
+Model renumbered(const Model& model, const std::vector<Index>& order) {
+    check_model(model);
+    Model result;
+    result.mesh = renumbered(model.mesh, order);
+    result.materials = model.materials;
+    result.prescribed.reserve(model.prescribed.size());
+    for (Index node : order)
+        for (Index c = 0; c < 3; ++c) result.prescribed.push_back(model.prescribed[3 * node + c]);
+    return result;
 }
 
 }  // namespace palpate

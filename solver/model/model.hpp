@@ -24,4 +24,7 @@ struct Model {
 /// numbers, positive volumes, material ranges.
 void check_model(const Model& model);
 
+/// The same model with node order[k] as its k-th (see `spatial_order`), checked first.
+Model renumbered(const Model& model, const std::vector<Index>& order);
+
 }  // namespace palpate
