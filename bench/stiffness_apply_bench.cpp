@@ -128,8 +128,8 @@ Bench make_bench(const std::string& name, const BackendOptions& options, const B
                  Index columns) {
     Bench bench;
     bench.backend = make_backend(name, options);
-    bench.model = std::make_unique<Model>(
-        renumbered(mesh.model, spatial_order(mesh.model.mesh.nodes)));
+    bench.model =
+        std::make_unique<Model>(renumbered(mesh.model, spatial_order(mesh.model.mesh.nodes)));
     bench.columns = columns;
     bench.backend->prepare(*bench.model);
     const Index rows = bench.model->num_dofs();
