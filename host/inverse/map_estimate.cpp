@@ -54,12 +54,12 @@ struct State {
 
 class Search {
 public:
-    Search(const ReducedModel& model, const SurfaceObservations& observations,
-           const Eigen::SparseMatrix<double>& precision, const std::vector<ModulusPrior>& priors,
+    Search(const ResponseModel& model, const WallPrior& walls,
+           const SurfaceObservations& observations, const std::vector<ModulusPrior>& priors,
            const MapOptions& options, const ProgressSink& progress)
         : model_(model),
+          walls_(walls),
           observations_(observations),
-          precision_(precision),
           priors_(priors),
           options_(options),
           progress_(progress),
@@ -69,9 +69,8 @@ public:
 
 private:
     State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta) const;
-    std::vector<LinearRow> rows_of(const State& state, bool driven_only) const;
+    std::vector<LinearRow> rows_of(const State& state) const;
     LinearisedProblem linearise(const State& state) const;
-    LinearisedProblem linearise_walls(const State& state) const;
     State settle_walls(State state) const;
     State search_line(const State& from, const Eigen::VectorXd& driven,
                       const Eigen::VectorXd& theta, double determinant_change,
@@ -82,9 +81,9 @@ private:
     void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
 
-    ReducedModel model_;
+    const ResponseModel& model_;
+    const WallPrior& walls_;
     const SurfaceObservations& observations_;
-    const Eigen::SparseMatrix<double>& precision_;
     const std::vector<ModulusPrior>& priors_;
     const MapOptions& options_;
     const ProgressSink& progress_;
@@ -94,18 +93,17 @@ private:
 };
 
 State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta) const {
-    ReducedModel model = model_;
-    for (std::size_t k = 0; k < priors_.size(); ++k) {
-        model.set_stiffness(priors_[k].region, std::exp(theta[k]));
-    }
-    State state{driven, model.observed_displacement(driven), theta, {}, 0};
+    std::vector<Index> unknown;
+    for (const auto& prior : priors_) unknown.push_back(prior.region);
+    const auto kpa = model_.moduli(unknown, theta);
+    State state{driven, model_.observed_displacement(kpa, driven), theta, {}, 0};
     state.seen = observations_.evaluate(state.driven, state.observed);
     for (Index k = 0; k < observations_.num_rows(); ++k) {
         const double z =
             state.seen.residual_mm[k] / (noise_scale_ * observations_.rows()[k].sigma_mm);
         state.objective += robust_loss(z);
     }
-    state.objective += 0.5 * driven.dot(precision_ * driven);
+    state.objective += walls_.energy(driven);
     for (std::size_t k = 0; k < priors_.size(); ++k) {
         const double z = (theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
         state.objective += 0.5 * z * z;
@@ -113,11 +111,10 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
     return state;
 }
 
-std::vector<LinearRow> Search::rows_of(const State& state, bool driven_only) const {
+std::vector<LinearRow> Search::rows_of(const State& state) const {
     std::vector<LinearRow> rows;
     for (Index k = 0; k < observations_.num_rows(); ++k) {
         const auto& row = observations_.rows()[k];
-        if (driven_only && !row.on_driven) continue;
         const double sigma = noise_scale_ * row.sigma_mm;
         const double residual = state.seen.residual_mm[k];
         rows.push_back({row.on_driven, row.position, state.seen.normal.row(k), residual,
@@ -127,13 +124,7 @@ std::vector<LinearRow> Search::rows_of(const State& state, bool driven_only) con
 }
 
 LinearisedProblem Search::linearise(const State& state) const {
-    return LinearisedProblem(model_, rows_of(state, false), state.driven, state.observed,
-                             precision_, priors_);
-}
-
-LinearisedProblem Search::linearise_walls(const State& state) const {
-    return LinearisedProblem(model_, rows_of(state, true), state.driven, state.observed, precision_,
-                             priors_);
+    return LinearisedProblem(model_, walls_, rows_of(state), state.driven, state.observed, priors_);
 }
 
 /// Brings the driven walls near their targets with the moduli held, before anything is concluded
@@ -141,8 +132,8 @@ LinearisedProblem Search::linearise_walls(const State& state) const {
 State Search::settle_walls(State state) const {
     for (int k = 0; k < 6; ++k) {
         double length = 0;
-        const State next =
-            search_line(state, linearise_walls(state).driven_mean(), state.theta, 0.0, length);
+        const WallPosterior walls(walls_, rows_of(state), state.driven);
+        const State next = search_line(state, walls.mean(), state.theta, 0.0, length);
         const double moved = largest(next.driven - state.driven);
         state = next;
         if (length == 0 || moved < 0.1) break;
@@ -307,11 +298,11 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
 
 }  // namespace
 
-MapEstimate map_estimate(const ReducedModel& model, const SurfaceObservations& observations,
-                         const Eigen::SparseMatrix<double>& precision,
+MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
+                         const SurfaceObservations& observations,
                          const std::vector<ModulusPrior>& priors, const MapOptions& options,
                          const ProgressSink& progress) {
-    return Search(model, observations, precision, priors, options, progress).run();
+    return Search(model, walls, observations, priors, options, progress).run();
 }
 
 }  // namespace palpate

@@ -41,8 +41,8 @@ struct MapEstimate {
 /// distances; at each linearisation the moduli minimise the marginal objective F exactly
 /// (LinearisedProblem), found by a coarse scan, then Newton; a line search on the nonlinear
 /// objective guards every step. Not converging is not an error: see `termination`.
-MapEstimate map_estimate(const ReducedModel& model, const SurfaceObservations& observations,
-                         const Eigen::SparseMatrix<double>& precision,
+MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
+                         const SurfaceObservations& observations,
                          const std::vector<ModulusPrior>& priors, const MapOptions& options,
                          const ProgressSink& progress = {});
 

@@ -55,18 +55,30 @@ Eigen::MatrixXd ReducedModel::stiffness() const {
     return sum;
 }
 
-Eigen::VectorXd ReducedModel::unit_coupling_times(const CondensedRegion& region,
-                                                  const Eigen::VectorXd& driven) const {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), 1);
+Eigen::MatrixXd ReducedModel::unit_coupling_times(const CondensedRegion& region,
+                                                  const Eigen::MatrixXd& driven) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
     scatter_add_rows(region.observed_driven * gather_rows(driven, region.driven), region.observed,
                      sum);
     return sum;
 }
 
-Eigen::VectorXd ReducedModel::coupling_times(const Eigen::VectorXd& driven) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(observed_dofs());
+Eigen::MatrixXd ReducedModel::coupling_times(const Eigen::MatrixXd& driven) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
     for (const auto& region : regions_) {
+        if (region.driven.empty()) continue;
         sum += stiffness_kpa_[region.region] * unit_coupling_times(region, driven);
+    }
+    return sum;
+}
+
+Eigen::MatrixXd ReducedModel::transposed_coupling_times(const Eigen::MatrixXd& observed) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(driven_dofs(), observed.cols());
+    for (const auto& region : regions_) {
+        if (region.driven.empty()) continue;
+        scatter_add_rows(stiffness_kpa_[region.region] * (region.observed_driven.transpose() *
+                                                          gather_rows(observed, region.observed)),
+                         region.driven, sum);
     }
     return sum;
 }

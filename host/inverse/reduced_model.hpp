@@ -29,8 +29,10 @@ public:
 
     /// S_oo at the present moduli, [observed_dofs, observed_dofs].
     Eigen::MatrixXd stiffness() const;
-    /// S_od u_d at the present moduli.
-    Eigen::VectorXd coupling_times(const Eigen::VectorXd& driven) const;
+    /// S_od x at the present moduli, for columns x [driven_dofs, any].
+    Eigen::MatrixXd coupling_times(const Eigen::MatrixXd& driven) const;
+    /// S_od^T x at the present moduli, for columns x [observed_dofs, any].
+    Eigen::MatrixXd transposed_coupling_times(const Eigen::MatrixXd& observed) const;
     /// u_o for given u_d: one dense factorisation of S_oo. Throws Error(solve_failed) if S_oo is
     /// not positive definite.
     Eigen::VectorXd observed_displacement(const Eigen::VectorXd& driven) const;
@@ -38,9 +40,9 @@ public:
     /// y += scale S_r x for one region's observed block; x has observed_dofs rows.
     void add_observed_product(const CondensedRegion& region, double scale, const Eigen::MatrixXd& x,
                               Eigen::MatrixXd& y) const;
-    /// S_r,od u_d of one region at unit modulus, scattered to observed_dofs rows.
-    Eigen::VectorXd unit_coupling_times(const CondensedRegion& region,
-                                        const Eigen::VectorXd& driven) const;
+    /// S_r,od x of one region at unit modulus, scattered to observed_dofs rows.
+    Eigen::MatrixXd unit_coupling_times(const CondensedRegion& region,
+                                        const Eigen::MatrixXd& driven) const;
 
 private:
     std::vector<CondensedRegion> regions_;

@@ -33,21 +33,6 @@ void add_wall(const Surface& surface, const std::vector<Index>& position, Eigen:
     }
 }
 
-Sparse repeat_for_components(const Sparse& scalar) {
-    Triplets entries;
-    entries.reserve(3 * scalar.nonZeros());
-    for (Index column = 0; column < scalar.outerSize(); ++column) {
-        for (Sparse::InnerIterator it(scalar, column); it; ++it) {
-            for (int c = 0; c < 3; ++c) {
-                entries.emplace_back(3 * it.row() + c, 3 * it.col() + c, it.value());
-            }
-        }
-    }
-    Sparse full(3 * scalar.rows(), 3 * scalar.cols());
-    full.setFromTriplets(entries.begin(), entries.end());
-    return full;
-}
-
 }  // namespace
 
 Sparse displacement_precision(const RecoveryModel& recovery, double sd_mm, double range_mm) {
@@ -73,8 +58,7 @@ Sparse displacement_precision(const RecoveryModel& recovery, double sd_mm, doubl
     Sparse operator_matrix = laplacian;
     for (Index k = 0; k < n; ++k) operator_matrix.coeffRef(k, k) += kappa_squared * mass[k];
     const Sparse weighted = mass.cwiseInverse().asDiagonal() * operator_matrix;
-    const Sparse scalar = tau_squared * (operator_matrix.transpose() * weighted);
-    return repeat_for_components(scalar);
+    return tau_squared * (operator_matrix.transpose() * weighted);
 }
 
 }  // namespace palpate

@@ -14,7 +14,8 @@ namespace palpate {
 ///   Q = tau^2 (kappa^2 C + G) C^-1 (kappa^2 C + G),  kappa = sqrt(8) / range,
 ///   tau^2 = 1 / (4 pi kappa^2 sd^2),
 /// C the lumped mass and G the stiffness (cotangent) matrix of the wall's triangles.
-/// Returns [3 num_driven, 3 num_driven], symmetric positive definite, per mm^2.
+/// Returns the precision of one component, [num_driven, num_driven], symmetric positive definite,
+/// per mm^2.
 Eigen::SparseMatrix<double> displacement_precision(const RecoveryModel& recovery, double sd_mm,
                                                    double range_mm);
 

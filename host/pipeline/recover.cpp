@@ -250,11 +250,16 @@ RecoveryResult recover(const RecoverOptions& options, const ProgressSink& progre
         static_cast<Index>(found.recovery.driven.size()), moduli_of(found.recovery.model));
 
     timer.start("searching");
-    const auto precision = displacement_precision(found.recovery, settings.prior.displacement_sd_mm,
-                                                  settings.prior.displacement_range_mm);
-    found.estimate =
-        map_estimate(reduced, observations, precision,
-                     modulus_priors(found.recovery, reduced, settings), options.search, progress);
+    const WallPrior walls(displacement_precision(found.recovery, settings.prior.displacement_sd_mm,
+                                                 settings.prior.displacement_range_mm));
+    const auto priors = modulus_priors(found.recovery, reduced, settings);
+    const ResponseModel response =
+        ResponseModel::compressed(reduced, walls, found.recovery.unknown, {});
+    report_progress(
+        progress, "searching", 0,
+        fmt::format("{} wall motions, {} surface modes, {:.2g} mm left out",
+                    response.num_functionals(), response.num_modes(), response.left_out_mm()));
+    found.estimate = map_estimate(response, walls, observations, priors, options.search, progress);
 
     timer.start("solving");
     solve_full_model(found, options.solver, progress);

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/inverse/response_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/inverse/column_basis.hpp"
+
+namespace palpate {
+
+std::vector<double> ResponseModel::moduli(const std::vector<Index>& regions,
+                                          const Eigen::VectorXd& theta) const {
+    std::vector<double> kpa = stiffness_kpa_;
+    for (std::size_t k = 0; k < regions.size(); ++k) {
+        kpa[regions[k]] = std::exp(theta[static_cast<Index>(k)]);
+    }
+    return kpa;
+}
+
+Eigen::MatrixXd ResponseModel::stiffness(const std::vector<double>& kpa) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_modes());
+    for (const Region& part : regions_) sum += kpa[part.region] * part.stiffness;
+    return sum;
+}
+
+Eigen::MatrixXd ResponseModel::coupling(const std::vector<double>& kpa) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_functionals());
+    for (const Region& part : regions_) {
+        if (part.coupling.size() > 0) sum += kpa[part.region] * part.coupling;
+    }
+    return sum;
+}
+
+Eigen::VectorXd ResponseModel::observed_displacement(const std::vector<double>& kpa,
+                                                     const Eigen::VectorXd& driven) const {
+    if (num_modes() == 0) return Eigen::VectorXd::Zero(observed_dofs());
+    const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
+    return -(modes_ * equilibrium.solve(coupling(kpa) * (functionals_ * driven)));
+}
+
+/// Finds functionals and modes from responses of the condensed model at a few moduli.
+class ResponseBuilder {
+public:
+    ResponseBuilder(const ReducedModel& model, const WallPrior& prior,
+                    const std::vector<Index>& unknown, const ResponseOptions& options)
+        : model_(model), prior_(prior), unknown_(unknown), options_(options) {
+        result_.stiffness_kpa_ = model.stiffness_kpa();
+    }
+
+    ResponseModel exact() {
+        const Index n = model_.driven_dofs();
+        result_.modes_.setIdentity(model_.observed_dofs(), model_.observed_dofs());
+        result_.functionals_.setIdentity(n, n);
+        result_.spread_ = prior_.covariance_times(result_.functionals_);
+        result_.prior_covariance_ = result_.spread_;
+        for (const auto& region : model_.regions()) {
+            Eigen::MatrixXd stiffness =
+                Eigen::MatrixXd::Zero(model_.observed_dofs(), model_.observed_dofs());
+            model_.add_observed_product(region, 1.0, result_.modes_, stiffness);
+            result_.regions_.push_back({region.region, std::move(stiffness),
+                                        model_.unit_coupling_times(region, result_.functionals_)});
+        }
+        return std::move(result_);
+    }
+
+    ResponseModel compressed() {
+        find_functionals();
+        for (const auto& region : model_.regions()) {
+            if (region.driven.empty()) {
+                couplings_.emplace_back();
+            } else {
+                couplings_.push_back(model_.unit_coupling_times(region, result_.spread_));
+            }
+        }
+        for (const double t : {0.0, 1.0, 0.5, 0.25, 0.75}) add_modes_at(moduli_at(t));
+        if (unknown_.size() > 1) {
+            for (const Index region : unknown_) add_modes_off_the_diagonal(region);
+        }
+        project();
+        test();
+        return std::move(result_);
+    }
+
+private:
+    using Moduli = std::vector<double>;
+
+    /// All unknown moduli together, from the softest (t = 0) to the stiffest (t = 1).
+    Moduli moduli_at(double t) const {
+        Moduli kpa = model_.stiffness_kpa();
+        for (const Index region : unknown_) {
+            kpa[region] = options_.softest_kpa *
+                          std::pow(options_.stiffest_kpa / options_.softest_kpa, t);
+        }
+        return kpa;
+    }
+
+    ReducedModel model_with(const Moduli& kpa) const {
+        ReducedModel model = model_;
+        for (std::size_t r = 0; r < kpa.size(); ++r) {
+            model.set_stiffness(static_cast<Index>(r), kpa[r]);
+        }
+        return model;
+    }
+
+    double tolerance() const {
+        return options_.tolerance_mm * std::sqrt(std::max(1.0, model_.observed_dofs() / 3.0));
+    }
+
+    /// Functionals that carry all but the tolerance of the response to random wall motions. The
+    /// softest tissue follows the finest motions.
+    void find_functionals() {
+        const bool driven_modulus_changes =
+            std::any_of(model_.regions().begin(), model_.regions().end(), [&](const auto& region) {
+                return !region.driven.empty() &&
+                       std::find(unknown_.begin(), unknown_.end(), region.region) != unknown_.end();
+            });
+        std::vector<double> where{0.0};
+        if (driven_modulus_changes) where = {0.0, 0.5, 1.0};
+        Eigen::MatrixXd stacked(0, model_.driven_dofs());
+        for (const double t : where) {
+            const Eigen::MatrixXd part = functionals_at(moduli_at(t));
+            Eigen::MatrixXd more(stacked.rows() + part.rows(), stacked.cols());
+            more << stacked, part;
+            stacked = std::move(more);
+        }
+        const Eigen::MatrixXd spread = prior_.covariance_times(stacked.transpose());
+        const ColumnSelection kept = select_columns(stacked * spread, 0.1 * tolerance());
+        result_.functionals_ = kept.rows_of(stacked);
+        result_.spread_ = kept.columns_of(spread);
+        result_.prior_covariance_ =
+            Eigen::MatrixXd::Identity(result_.functionals_.rows(), result_.functionals_.rows());
+    }
+
+    /// Q^T A of the response A = S_oo^-1 S_od, Q an orthonormal basis of its range.
+    Eigen::MatrixXd functionals_at(const Moduli& kpa) const {
+        const ReducedModel model = model_with(kpa);
+        const auto equilibrium = cholesky(model.stiffness(), "stiffness of the observed nodes");
+        const Index most = std::min(model.driven_dofs(), model.observed_dofs());
+        Eigen::MatrixXd basis;
+        for (Index count = std::min<Index>(most, 320);; count = std::min<Index>(most, 2 * count)) {
+            const Eigen::MatrixXd responses =
+                equilibrium.solve(model.coupling_times(prior_.samples(count, options_.seed)));
+            basis = orthonormal_columns(responses, 0.5 * tolerance() * std::sqrt(count));
+            if (basis.cols() < count - 16 || count == most) break;
+        }
+        return model.transposed_coupling_times(equilibrium.solve(basis)).transpose();
+    }
+
+    /// Responses to the functionals' unit motions at `kpa`, [observed_dofs, functionals].
+    Eigen::MatrixXd responses_at(const Moduli& kpa) const {
+        Eigen::MatrixXd force =
+            Eigen::MatrixXd::Zero(model_.observed_dofs(), result_.functionals_.rows());
+        for (std::size_t r = 0; r < couplings_.size(); ++r) {
+            if (couplings_[r].size() > 0) force += kpa[model_.regions()[r].region] * couplings_[r];
+        }
+        return cholesky(model_with(kpa).stiffness(), "stiffness of the observed nodes").solve(force);
+    }
+
+    void add_modes_at(const Moduli& kpa) {
+        result_.modes_ = extended_basis(result_.modes_, responses_at(kpa), 0.5 * tolerance());
+    }
+
+    void add_modes_off_the_diagonal(Index region) {
+        for (const double t : {0.15, 0.85}) {
+            Moduli kpa = moduli_at(0.5);
+            kpa[region] = moduli_at(t)[region];
+            add_modes_at(kpa);
+        }
+    }
+
+    void project() {
+        result_.regions_.clear();
+        const Eigen::MatrixXd& modes = result_.modes_;
+        for (std::size_t r = 0; r < couplings_.size(); ++r) {
+            const auto& region = model_.regions()[r];
+            Eigen::MatrixXd product = Eigen::MatrixXd::Zero(modes.rows(), modes.cols());
+            model_.add_observed_product(region, 1.0, modes, product);
+            Eigen::MatrixXd stiffness = modes.transpose() * product;
+            ResponseModel::Region part{region.region,
+                                       0.5 * (stiffness + stiffness.transpose()),
+                                       {}};
+            if (couplings_[r].size() > 0) part.coupling = modes.transpose() * couplings_[r];
+            result_.regions_.push_back(std::move(part));
+        }
+    }
+
+    /// Measures what is left out between the moduli used so far, for fresh wall motions, and adds
+    /// modes there while it is too much.
+    void test() {
+        const Eigen::MatrixXd walls = prior_.samples(4, options_.seed + 1000);
+        for (const double t : {0.12, 0.63}) {
+            double left_out = left_out_at(moduli_at(t), walls);
+            if (left_out > options_.tolerance_mm) {
+                add_modes_at(moduli_at(t));
+                project();
+                left_out = left_out_at(moduli_at(t), walls);
+            }
+            result_.left_out_mm_ = std::max(result_.left_out_mm_, left_out);
+        }
+    }
+
+    double left_out_at(const Moduli& kpa, const Eigen::MatrixXd& walls) const {
+        const ReducedModel model = model_with(kpa);
+        const Eigen::MatrixXd exact =
+            -cholesky(model.stiffness(), "stiffness of the observed nodes")
+                 .solve(model.coupling_times(walls));
+        double sum = 0;
+        for (Index k = 0; k < walls.cols(); ++k) {
+            sum += (exact.col(k) - result_.observed_displacement(kpa, walls.col(k))).squaredNorm();
+        }
+        return std::sqrt(sum / (walls.cols() * std::max(1.0, exact.rows() / 3.0)));
+    }
+
+    const ReducedModel& model_;
+    const WallPrior& prior_;
+    const std::vector<Index>& unknown_;
+    const ResponseOptions& options_;
+    ResponseModel result_;
+    std::vector<Eigen::MatrixXd> couplings_;  ///< S_r,od Q^-1 N^T per region
+};
+
+ResponseModel ResponseModel::exact(const ReducedModel& model, const WallPrior& prior) {
+    return ResponseBuilder(model, prior, {}, {}).exact();
+}
+
+ResponseModel ResponseModel::compressed(const ReducedModel& model, const WallPrior& prior,
+                                        const std::vector<Index>& unknown,
+                                        const ResponseOptions& options) {
+    if (model.observed_dofs() == 0 || model.driven_dofs() == 0) return exact(model, prior);
+    return ResponseBuilder(model, prior, unknown, options).compressed();
+}
+
+}  // namespace palpate

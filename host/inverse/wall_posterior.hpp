@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <vector>
+
+#include "host/inverse/linear_row.hpp"
+#include "host/inverse/wall_prior.hpp"
+
+namespace palpate {
+
+/// The driven walls' motion given the distances of the walls alone, linearised: N(m, H^-1) with
+///   H = Q + G^T R^-1 G,   H^-1 = S - S G^T (R + G S G^T)^-1 G S,   S = Q^-1
+/// (Gaussian conditioning; Rasmussen and Williams 2006, eq. 2.23). G has one normal per row, so
+/// G S G^T is the prior's covariance between nodes times the cosine between their normals.
+class WallPosterior {
+public:
+    /// `rows` linearised at the driven displacement `driven` [3 num_driven]; rows on observed nodes
+    /// are left out. `prior` must outlive this object.
+    WallPosterior(const WallPrior& prior, const std::vector<LinearRow>& rows,
+                  const Eigen::VectorXd& driven);
+
+    const Eigen::VectorXd& mean() const { return mean_; }
+    /// N H^-1 N^T for functionals N given as `spread` = Q^-1 N^T [3 num_driven, k] and
+    /// `prior_covariance` = N Q^-1 N^T [k, k].
+    Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& spread,
+                                  const Eigen::MatrixXd& prior_covariance) const;
+    /// H^-1 v, given Q^-1 v.
+    Eigen::VectorXd conditioned(const Eigen::VectorXd& prior_times_v) const;
+
+private:
+    struct Rows {
+        const WallPrior::Wall* wall;
+        std::vector<Index> place;         ///< of each row's node in the wall
+        std::vector<LinearRow> rows;
+        Eigen::LLT<Eigen::MatrixXd> gram;  ///< of R + G S G^T
+    };
+    Eigen::VectorXd spread_back(const Rows& part, const Eigen::VectorXd& weights) const;
+
+    const WallPrior& prior_;
+    std::vector<Rows> parts_;
+    Eigen::VectorXd mean_;
+};
+
+}  // namespace palpate
