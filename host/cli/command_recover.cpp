@@ -37,8 +37,6 @@ int run_recover(const RecoverArguments& arguments) {
     check_result_folder(arguments.out, arguments.overwrite);
     RecoverOptions options;
     options.settings = read_settings(arguments.config);
-    options.reference = arguments.reference;
-    options.target = arguments.target;
     options.mesh = arguments.mesh;
     options.initial_transform = arguments.transform;
     options.align = align_method(arguments.align);
@@ -47,7 +45,9 @@ int run_recover(const RecoverArguments& arguments) {
     options.search.max_iterations = arguments.max_iterations;
 
     const auto progress = console_progress(arguments.quiet);
-    const RecoveryResult result = recover(options, progress);
+    report_progress(progress, "reading", 0, "reading both segmentations");
+    const RecoveryResult result = recover(read_segmentation(arguments.reference),
+                                          read_segmentation(arguments.target), options, progress);
     report_progress(progress, "writing", 0, "result folder");
     ResultOptions writing;
     writing.overwrite = arguments.overwrite;

@@ -28,8 +28,8 @@ ColumnSelection select_columns(const Eigen::MatrixXd& gram, double tolerance) {
     Eigen::Index rank = 0, pivot = 0;
     while (rank < n && left.sum() > tolerance * tolerance && left.maxCoeff(&pivot) > floor) {
         auto next = rows.col(rank);
-        next.noalias() = gram.col(pivot) -
-                         rows.leftCols(rank) * rows.row(pivot).head(rank).transpose();
+        next.noalias() =
+            gram.col(pivot) - rows.leftCols(rank) * rows.row(pivot).head(rank).transpose();
         next /= std::sqrt(left[pivot]);
         left = (left - next.cwiseAbs2()).cwiseMax(0.0);
         left[pivot] = 0;

@@ -90,8 +90,8 @@ private:
     Moduli moduli_at(double t) const {
         Moduli kpa = model_.stiffness_kpa();
         for (const Index region : unknown_) {
-            kpa[region] = options_.softest_kpa *
-                          std::pow(options_.stiffest_kpa / options_.softest_kpa, t);
+            kpa[region] =
+                options_.softest_kpa * std::pow(options_.stiffest_kpa / options_.softest_kpa, t);
         }
         return kpa;
     }
@@ -155,7 +155,8 @@ private:
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
             if (couplings_[r].size() > 0) force += kpa[model_.regions()[r].region] * couplings_[r];
         }
-        return cholesky(model_with(kpa).stiffness(), "stiffness of the observed nodes").solve(force);
+        return cholesky(model_with(kpa).stiffness(), "stiffness of the observed nodes")
+            .solve(force);
     }
 
     void add_modes_at(const Moduli& kpa) {
@@ -178,9 +179,8 @@ private:
             Eigen::MatrixXd product = Eigen::MatrixXd::Zero(modes.rows(), modes.cols());
             model_.add_observed_product(region, 1.0, modes, product);
             Eigen::MatrixXd stiffness = modes.transpose() * product;
-            ResponseModel::Region part{region.region,
-                                       0.5 * (stiffness + stiffness.transpose()),
-                                       {}};
+            ResponseModel::Region part{
+                region.region, 0.5 * (stiffness + stiffness.transpose()), {}};
             if (couplings_[r].size() > 0) part.coupling = modes.transpose() * couplings_[r];
             result_.regions_.push_back(std::move(part));
         }

@@ -33,7 +33,7 @@ public:
 private:
     struct Rows {
         const WallPrior::Wall* wall;
-        std::vector<Index> place;         ///< of each row's node in the wall
+        std::vector<Index> place;  ///< of each row's node in the wall
         std::vector<LinearRow> rows;
         Eigen::LLT<Eigen::MatrixXd> gram;  ///< of R + G S G^T
     };

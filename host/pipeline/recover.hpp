@@ -3,8 +3,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <functional>
+#include <string>
+#include <vector>
 
+#include "host/imaging/label_image.hpp"
 #include "host/inverse/map_estimate.hpp"
 #include "host/meshing/mesher.hpp"
 #include "host/modelling/alignment.hpp"
@@ -15,7 +18,6 @@
 namespace palpate {
 
 struct RecoverOptions {
-    std::filesystem::path reference, target;  ///< label volumes
     Settings settings;
     MesherOptions mesher;
     std::filesystem::path mesh;  ///< ready mesh (.vtu with `region` labels) or empty
@@ -26,8 +28,26 @@ struct RecoverOptions {
     MapOptions search;
 };
 
+/// A label volume and what messages and reports call it.
+struct Segmentation {
+    LabelImage labels;
+    std::string name;
+};
+
+Segmentation read_segmentation(const std::filesystem::path& path);
+
+/// Receives the result of each target, in order.
+using ResultSink = std::function<void(std::size_t target, RecoveryResult result)>;
+
 /// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section
 /// 1). Throws Error with the codes of each station; not converging is reported in the result.
-RecoveryResult recover(const RecoverOptions& options, const ProgressSink& progress = {});
+RecoveryResult recover(const Segmentation& reference, const Segmentation& target,
+                       const RecoverOptions& options, const ProgressSink& progress = {});
+
+/// The same for several targets of one reference, which is meshed and condensed once. All targets
+/// are read and aligned before that, so that a wrong one is told early.
+void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
+                 const RecoverOptions& options, const ResultSink& sink,
+                 const ProgressSink& progress = {});
 
 }  // namespace palpate

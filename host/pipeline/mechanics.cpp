@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/pipeline/mechanics.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <utility>
+
+#include "host/objectives/displacement_prior.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const ReducedModel& model,
+                                         const Settings& settings) {
+    std::vector<ModulusPrior> priors;
+    for (const Index region : recovery.unknown) {
+        if (!model.has_region(region)) continue;
+        priors.push_back(
+            {region, std::log(prior_median_kpa(settings)), settings.prior.stiffness_sd_ln});
+    }
+    return priors;
+}
+
+std::vector<double> moduli_of(const Model& model) {
+    std::vector<double> stiffness;
+    for (const auto& material : model.materials) stiffness.push_back(material.stiffness_kpa);
+    return stiffness;
+}
+
+}  // namespace
+
+Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
+                         const LinearSolverOptions& solver, const ProgressSink& progress) {
+    RecoveryModel recovery = build_model(mesh, settings);
+    CondensationSummary condensation;
+    const ReducedModel reduced(condense(recovery.model, recovery.observed, recovery.driven, solver,
+                                        &condensation, progress),
+                               static_cast<Index>(recovery.observed.size()),
+                               static_cast<Index>(recovery.driven.size()),
+                               moduli_of(recovery.model));
+    WallPrior walls(displacement_precision(recovery, settings.prior.displacement_sd_mm,
+                                           settings.prior.displacement_range_mm));
+    auto priors = modulus_priors(recovery, reduced, settings);
+    std::vector<Index> unknown;
+    for (const auto& prior : priors) unknown.push_back(prior.region);
+    ResponseModel response = ResponseModel::compressed(reduced, walls, unknown, {});
+    report_progress(progress, "condensing", 1,
+                    fmt::format("{} wall motions, {} surface modes, {:.2g} mm left out",
+                                response.num_functionals(), response.num_modes(),
+                                response.left_out_mm()));
+    return {std::move(recovery), std::move(walls), std::move(response), std::move(priors),
+            std::move(condensation)};
+}
+
+}  // namespace palpate

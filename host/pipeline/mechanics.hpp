@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "host/inverse/marginal.hpp"
+#include "host/inverse/response_model.hpp"
+#include "host/inverse/wall_prior.hpp"
+#include "host/modelling/build_model.hpp"
+#include "solver/condense/condensation.hpp"
+
+namespace palpate {
+
+/// Everything about a meshed reference that no target changes: the forward model, condensed
+/// exactly for every modulus, the prior of the walls' motion, and what of both the search needs.
+struct Mechanics {
+    RecoveryModel recovery;
+    WallPrior walls;
+    ResponseModel response;
+    std::vector<ModulusPrior> priors;  ///< of the unknown moduli that have any influence
+    CondensationSummary condensation;
+};
+
+/// From a mesh in memory to a model that answers for any modulus: node sets, condensation, response
+/// model. Throws what `build_model` and `condense` throw.
+Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
+                         const LinearSolverOptions& solver, const ProgressSink& progress = {});
+
+}  // namespace palpate

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/imaging/label_field.hpp"
+#include "host/modelling/alignment.hpp"
+#include "host/pipeline/recover.hpp"
+#include "host/surfaces/surface.hpp"
+
+namespace palpate {
+
+/// One segmentation, ready to be measured against.
+struct LabelledState {
+    std::string name;  ///< for messages and the report
+    RegionImage regions;
+    LabelField field;
+};
+
+LabelledState make_state(const Segmentation& segmentation, const Settings& settings);
+
+/// The reference before it is meshed.
+struct ReferenceState {
+    LabelledState state;
+    double edge_length_mm = 0;  ///< on organ surfaces, for the wanted number of nodes
+    RegionSurface surface;
+    std::vector<std::vector<Vec3>> fixed_points;  ///< of the fixed organs' surfaces, without caps
+};
+
+ReferenceState make_reference(LabelledState state, const RecoverOptions& options,
+                              const ProgressSink& progress);
+
+/// A target, brought into the reference's frame.
+struct TargetState {
+    LabelledState state;
+    AlignmentResult alignment;
+};
+
+/// Throws Error(input_unusable) if an organ does not overlap between the two.
+TargetState align_target(LabelledState target, const ReferenceState& reference,
+                         const RecoverOptions& options, const ProgressSink& progress);
+
+/// Distance maps of the organs that are matched (every organ that is not fixed), settings order.
+std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings);
+
+}  // namespace palpate
