@@ -32,7 +32,9 @@ std::vector<double> moduli_of(const Model& model) {
 }  // namespace
 
 Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
-                         const LinearSolverOptions& solver, const ProgressSink& progress) {
+                         const LinearSolverOptions& solver, StageTimer& timer,
+                         const ProgressSink& progress) {
+    timer.start("condensing");
     RecoveryModel recovery = build_model(mesh, settings);
     CondensationSummary condensation;
     const ReducedModel reduced(condense(recovery.model, recovery.observed, recovery.driven, solver,
@@ -40,16 +42,17 @@ Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
                                static_cast<Index>(recovery.observed.size()),
                                static_cast<Index>(recovery.driven.size()),
                                moduli_of(recovery.model));
+    timer.start("compressing");
     WallPrior walls(displacement_precision(recovery, settings.prior.displacement_sd_mm,
                                            settings.prior.displacement_range_mm));
     auto priors = modulus_priors(recovery, reduced, settings);
     std::vector<Index> unknown;
     for (const auto& prior : priors) unknown.push_back(prior.region);
     ResponseModel response = ResponseModel::compressed(reduced, walls, unknown, {});
-    report_progress(progress, "condensing", 1,
-                    fmt::format("{} wall motions, {} surface modes, {:.2g} mm left out",
-                                response.num_functionals(), response.num_modes(),
-                                response.left_out_mm()));
+    report_progress(
+        progress, "compressing", 1,
+        fmt::format("{} wall motions, {} surface modes, {:.2g} mm left out",
+                    response.num_functionals(), response.num_modes(), response.left_out_mm()));
     return {std::move(recovery), std::move(walls), std::move(response), std::move(priors),
             std::move(condensation)};
 }

@@ -8,6 +8,7 @@
 #include "host/inverse/response_model.hpp"
 #include "host/inverse/wall_prior.hpp"
 #include "host/modelling/build_model.hpp"
+#include "host/pipeline/stages.hpp"
 #include "solver/condense/condensation.hpp"
 
 namespace palpate {
@@ -25,6 +26,7 @@ struct Mechanics {
 /// From a mesh in memory to a model that answers for any modulus: node sets, condensation, response
 /// model. Throws what `build_model` and `condense` throw.
 Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
-                         const LinearSolverOptions& solver, const ProgressSink& progress = {});
+                         const LinearSolverOptions& solver, StageTimer& timer,
+                         const ProgressSink& progress = {});
 
 }  // namespace palpate

@@ -2,133 +2,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pipeline/recover.hpp"
 
-#include <fmt/core.h>
-
-#include <algorithm>
-#include <cmath>
 #include <future>
 #include <utility>
 
 #include "host/imaging/io.hpp"
-#include "host/meshing/io.hpp"
-#include "host/modelling/regions.hpp"
-#include "host/objectives/surface_observations.hpp"
-#include "host/pipeline/finish.hpp"
-#include "host/pipeline/mechanics.hpp"
-#include "host/pipeline/stages.hpp"
-#include "host/pipeline/states.hpp"
+#include "host/pipeline/prepared.hpp"
 
 namespace palpate {
 namespace {
 
-RegionMesh mesh_of(const RecoverOptions& options, const ReferenceState& reference,
-                   MesherSummary& summary, const ProgressSink& progress) {
-    const Settings& settings = options.settings;
-    if (options.mesh.empty()) {
-        MesherOptions mesher = options.mesher;
-        mesher.edge_length_mm = reference.edge_length_mm;
-        mesher.outer_edge_length_mm = 4.0 * reference.edge_length_mm;
-        return make_mesh(reference.surface, reference.state.regions, reference.state.field,
-                         hollow_regions(settings), mesher, &summary, progress);
-    }
-    const Mesh mesh =
-        with_region_numbers(read_vtu(options.mesh), settings, options.mesh.filename().string());
-    summary.mesher = "ready mesh";
-    summary.quality = mesh_quality(mesh, settings.num_regions());
-    return region_mesh_from_tets(mesh, reference.state.field, settings);
-}
-
-/// The reference with all that is done once, however many targets there are.
-struct Prepared {
-    ReferenceState reference;
-    RegionMesh mesh;
-    MesherSummary mesher;
-    Mechanics mechanics;
-    std::vector<DistanceMap> maps;
-};
-
-Prepared prepare(ReferenceState reference, const RecoverOptions& options, StageTimer& timer,
-                 const ProgressSink& progress) {
-    timer.start("meshing");
-    auto maps = std::async(std::launch::async, [&] {
-        return maps_of_matched(reference.state.field, options.settings);
-    });
-    MesherSummary mesher;
-    RegionMesh mesh = mesh_of(options, reference, mesher, progress);
-    report_progress(
-        progress, "meshing", 1,
-        fmt::format("{}: {} nodes, {} elements, smallest dihedral angle {:.1f} deg", mesher.mesher,
-                    mesh.mesh.num_nodes(), mesh.mesh.num_tets(), mesher.quality.min_dihedral_deg));
-    timer.start("condensing");
-    Mechanics mechanics = make_mechanics(mesh, options.settings, options.solver, progress);
-    auto reference_maps = maps.get();
-    return {std::move(reference), std::move(mesh), std::move(mesher), std::move(mechanics),
-            std::move(reference_maps)};
-}
-
-std::vector<std::uint8_t> seen_nodes(const Mesh& mesh, const LabelField& target,
-                                     const RigidTransform& reference_to_target) {
-    std::vector<std::uint8_t> seen(mesh.nodes.size());
-    std::transform(mesh.nodes.begin(), mesh.nodes.end(), seen.begin(), [&](const Vec3& node) {
-        return target.inside_box(reference_to_target.apply(node));
-    });
-    return seen;
-}
-
-ObservedMaps observed_maps(const Prepared& prepared, const TargetState& target,
-                           const Settings& settings) {
-    ObservedMaps maps;
-    maps.reference = prepared.maps;
-    const RigidTransform back = target.alignment.reference_to_target.inverse();
-    for (const auto& map : maps_of_matched(target.state.field, settings)) {
-        maps.target.push_back(map.moved(back));
-    }
-    return maps;
-}
-
-ObservationOptions observation_options(const Settings& settings, const ImageGrid& reference,
-                                       const ImageGrid& target) {
-    const double voxel = std::cbrt(std::max(reference.voxel_volume(), target.voxel_volume()));
-    ObservationOptions options;
-    options.noise_mm = settings.prior.noise_voxels * voxel;
-    options.correlation_area_mm2 = 7.0 * voxel * voxel;
-    return options;
-}
-
-RecoveryResult recover_target(const Prepared& prepared, const TargetState& target,
+RecoveryResult recover_target(const PreparedReference& prepared, const TargetState& target,
                               const RecoverOptions& options, StageTimer timer,
                               const ProgressSink& progress) {
-    const Settings& settings = options.settings;
-    const Mechanics& mechanics = prepared.mechanics;
-    Recovered found;
-    found.alignment = target.alignment;
-    found.mesh = prepared.mesh;
-    found.mesher = prepared.mesher;
-    found.recovery = mechanics.recovery;
-
-    timer.start("distances");
-    found.maps = observed_maps(prepared, target, settings);
-    const LabelledState& reference = prepared.reference.state;
-    const SurfaceObservations observations(
-        found.recovery, found.maps,
-        seen_nodes(found.mesh.mesh, target.state.field, target.alignment.reference_to_target),
-        observation_options(settings, reference.regions.grid, target.state.regions.grid));
-
-    timer.start("searching");
-    found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
-                                  mechanics.priors, options.search, progress);
-
-    timer.start("solving");
-    solve_full_model(found, options.solver, progress);
-
+    const Recovered found = search_target(prepared, target, options, timer, progress);
     timer.start("volumes");
     report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
-    RecoveryResult result = assemble_result(found, reference.regions, reference.field,
-                                            target.state.regions, target.state.field, settings);
+    const LabelledState& reference = prepared.reference.state;
+    RecoveryResult result =
+        assemble_result(found, reference.regions, reference.field, target.state.regions,
+                        target.state.field, options.settings);
     timer.stop();
     result.reference_name = reference.name;
     result.target_name = target.state.name;
-    result.linear_solvers = {{"condensing", mechanics.condensation.solver},
+    result.linear_solvers = {{"condensing", prepared.mechanics.condensation.solver},
                              {"solving", found.solver}};
     result.timings_s = timer.times_s();
     return result;
@@ -164,7 +60,8 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
         aligned.push_back(align_target(std::move(target), state, options, progress));
     }
 
-    const Prepared prepared = prepare(std::move(state), options, timer, progress);
+    const PreparedReference prepared =
+        prepare_reference(std::move(state), options, timer, progress);
     for (std::size_t k = 0; k < aligned.size(); ++k) {
         sink(k, recover_target(prepared, aligned[k], options, timer, progress));
     }

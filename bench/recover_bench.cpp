@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+// How long from a mesh in memory to moduli, forces, field and intervals, and how long for a further
+// target of the same reference? On pelvis phantoms with 1 mm voxels; figures in docs/performance.md.
+//   mesh_to_answer      condensing, response model, search, full solve
+//   further_target      distances to search to full solve, the reference being prepared
+//   voxels_to_answer    label volumes in memory to the whole result
+#include <benchmark/benchmark.h>
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include "host/phantom/pelvis.hpp"
+#include "host/pipeline/prepared.hpp"
+#include "host/pipeline/recover.hpp"
+#include "solver/backend/registry.hpp"
+#include "solver/base/error.hpp"
+#include "solver/base/large_blocks.hpp"
+
+namespace palpate {
+namespace {
+
+struct Size {
+    const char* name;
+    Index truth_nodes, nodes;
+    double spacing_mm;
+};
+constexpr Size sizes[] = {{"small", 3000, 1200, 2.0}, {"seed_size", 30000, 6000, 1.0}};
+constexpr double true_kpa = 90;
+
+/// A phantom with everything that stands before the timed part.
+struct Case {
+    RecoverOptions options;
+    Segmentation reference, target;
+    PreparedReference prepared;
+    TargetState aligned;
+};
+
+RecoverOptions recover_options(const PelvisPhantom& phantom, Index nodes) {
+    RecoverOptions options;
+    options.settings = phantom.settings;
+    options.mesher.num_nodes = nodes;
+    options.solver.backend = backend_registry().front().name;
+    return options;
+}
+
+Case make_case(const Size& size) {
+    PelvisOptions pelvis;
+    pelvis.seed = 3;
+    pelvis.stiffness_kpa = true_kpa;
+    pelvis.num_nodes = size.truth_nodes;
+    pelvis.spacing = Vec3::Constant(size.spacing_mm);
+    LinearSolverOptions solver;
+    solver.backend = backend_registry().front().name;
+    const PelvisPhantom phantom = make_pelvis(pelvis, solver, {});
+    RecoverOptions options = recover_options(phantom, size.nodes);
+    Segmentation reference{phantom.reference, "reference"}, target{phantom.target, "target"};
+    ReferenceState state = make_reference(make_state(reference, options.settings), options, {});
+    TargetState aligned =
+        align_target(make_state(target, options.settings), state, options, {});
+    StageTimer timer;
+    PreparedReference prepared = prepare_reference(std::move(state), options, timer, {});
+    return {std::move(options), std::move(reference), std::move(target), std::move(prepared),
+            std::move(aligned)};
+}
+
+const Case& case_of(const Size& size) {
+    static std::map<std::string, Case> cases;
+    const auto found = cases.find(size.name);
+    return found != cases.end() ? found->second : cases.emplace(size.name, make_case(size)).first->second;
+}
+
+void report(benchmark::State& state, const Recovered& found) {
+    const double kpa = std::exp(found.estimate.theta[0]);
+    state.counters["kpa"] = kpa;
+    state.counters["error_percent"] = 100 * (kpa / true_kpa - 1);
+    state.counters["low_kpa"] = found.estimate.interval_kpa[0][0];
+    state.counters["high_kpa"] = found.estimate.interval_kpa[0][1];
+    state.counters["iterations"] = found.estimate.termination.iterations;
+    state.counters["tets"] = found.mesh.mesh.num_tets();
+    state.counters["surface_dofs"] =
+        3.0 * static_cast<double>(found.recovery.driven.size() + found.recovery.observed.size());
+}
+
+void add_times(benchmark::State& state, const StageTimer& timer) {
+    for (const auto& [stage, seconds] : timer.times_s()) state.counters[stage + "_s"] = seconds;
+}
+
+void mesh_to_answer(benchmark::State& state, const Size& size) {
+    const Case& input = case_of(size);
+    Recovered found;
+    for (auto _ : state) {
+        StageTimer timer;
+        const PreparedReference prepared =
+            prepare_mesh(input.prepared.reference, input.prepared.mesh, input.prepared.mesher,
+                         input.prepared.maps, input.options, timer, {});
+        found = search_target(prepared, input.aligned, input.options, timer, {});
+        timer.stop();
+        add_times(state, timer);
+    }
+    report(state, found);
+}
+
+void further_target(benchmark::State& state, const Size& size) {
+    const Case& input = case_of(size);
+    Recovered found;
+    for (auto _ : state) {
+        StageTimer timer;
+        found = search_target(input.prepared, input.aligned, input.options, timer, {});
+        timer.stop();
+        add_times(state, timer);
+    }
+    report(state, found);
+}
+
+void voxels_to_answer(benchmark::State& state, const Size& size) {
+    const Case& input = case_of(size);
+    for (auto _ : state) {
+        const RecoveryResult result = recover(input.reference, input.target, input.options);
+        for (const auto& [stage, seconds] : result.timings_s) {
+            state.counters[stage + "_s"] = seconds;
+        }
+    }
+}
+
+using Body = void (*)(benchmark::State&, const Size&);
+
+void run_checked(benchmark::State& state, Body body, const Size& size) {
+    try {
+        body(state, size);
+    } catch (const Error& error) {
+        state.SkipWithError(fmt::format("failed: {}", error.what()).c_str());
+    }
+}
+
+void register_all() {
+    const std::pair<const char*, Body> bodies[] = {{"mesh_to_answer", mesh_to_answer},
+                                                   {"further_target", further_target},
+                                                   {"voxels_to_answer", voxels_to_answer}};
+    for (const Size& size : sizes) {
+        for (const auto& [name, body] : bodies) {
+            benchmark::RegisterBenchmark(
+                fmt::format("{}/{}", name, size.name).c_str(),
+                [body = body, &size](benchmark::State& state) { run_checked(state, body, size); })
+                ->Unit(benchmark::kMillisecond)
+                ->UseRealTime();
+        }
+    }
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+    palpate::keep_large_blocks();
+    palpate::register_all();
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+}

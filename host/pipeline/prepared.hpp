@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "host/pipeline/finish.hpp"
+#include "host/pipeline/mechanics.hpp"
+#include "host/pipeline/stages.hpp"
+#include "host/pipeline/states.hpp"
+
+namespace palpate {
+
+/// The reference with all that is done once, however many targets there are.
+struct PreparedReference {
+    ReferenceState reference;
+    RegionMesh mesh;
+    MesherSummary mesher;
+    std::vector<DistanceMap> maps;  ///< of the matched organs
+    Mechanics mechanics;
+};
+
+/// Meshes the reference (or reads the ready mesh) and condenses it.
+PreparedReference prepare_reference(ReferenceState reference, const RecoverOptions& options,
+                                    StageTimer& timer, const ProgressSink& progress);
+
+/// The same from a mesh in memory.
+PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, MesherSummary mesher,
+                               std::vector<DistanceMap> maps, const RecoverOptions& options,
+                               StageTimer& timer, const ProgressSink& progress);
+
+/// Moduli, wall motion, field and forces for one target.
+Recovered search_target(const PreparedReference& prepared, const TargetState& target,
+                        const RecoverOptions& options, StageTimer& timer,
+                        const ProgressSink& progress);
+
+}  // namespace palpate
