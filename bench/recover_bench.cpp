@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 // How long from a mesh in memory to moduli, forces, field and intervals, and how long for a further
-// target of the same reference? On pelvis phantoms with 1 mm voxels; figures in docs/performance.md.
+// target of the same reference? On pelvis phantoms with 1 mm voxels; figures in
+// docs/performance.md.
 //   mesh_to_answer      condensing, response model, search, full solve
 //   further_target      distances to search to full solve, the reference being prepared
 //   voxels_to_answer    label volumes in memory to the whole result
@@ -58,8 +59,7 @@ Case make_case(const Size& size) {
     RecoverOptions options = recover_options(phantom, size.nodes);
     Segmentation reference{phantom.reference, "reference"}, target{phantom.target, "target"};
     ReferenceState state = make_reference(make_state(reference, options.settings), options, {});
-    TargetState aligned =
-        align_target(make_state(target, options.settings), state, options, {});
+    TargetState aligned = align_target(make_state(target, options.settings), state, options, {});
     StageTimer timer;
     PreparedReference prepared = prepare_reference(std::move(state), options, timer, {});
     return {std::move(options), std::move(reference), std::move(target), std::move(prepared),
@@ -69,7 +69,8 @@ Case make_case(const Size& size) {
 const Case& case_of(const Size& size) {
     static std::map<std::string, Case> cases;
     const auto found = cases.find(size.name);
-    return found != cases.end() ? found->second : cases.emplace(size.name, make_case(size)).first->second;
+    return found != cases.end() ? found->second
+                                : cases.emplace(size.name, make_case(size)).first->second;
 }
 
 void report(benchmark::State& state, const Recovered& found) {

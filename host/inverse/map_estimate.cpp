@@ -10,6 +10,7 @@
 
 #include "host/inverse/anderson.hpp"
 #include "host/inverse/modulus_search.hpp"
+#include "host/inverse/surface_noise.hpp"
 #include "host/inverse/uncertainty.hpp"
 
 namespace palpate {
@@ -22,18 +23,6 @@ constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven com
 
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.
 constexpr double acceptable_rise = 0.05;
-
-/// Residuals beyond this many sigma count linearly (Huber): a wrong label, a kink of the target or
-/// a distance far larger than a voxel must neither dominate nor stall the search.
-constexpr double robust_limit = 3.0;
-
-double robust_loss(double z) {
-    const double size = std::abs(z);
-    return size <= robust_limit ? 0.5 * z * z : robust_limit * (size - 0.5 * robust_limit);
-}
-
-/// Factor on sigma with which the quadratic loss has the slope of the robust one.
-double robust_inflation(double z) { return std::sqrt(std::max(1.0, std::abs(z) / robust_limit)); }
 
 double largest(const Eigen::VectorXd& vector) {
     return vector.size() == 0 ? 0.0 : vector.cwiseAbs().maxCoeff();
@@ -60,6 +49,7 @@ public:
         : model_(model),
           walls_(walls),
           observations_(observations),
+          noise_(observations),
           priors_(priors),
           options_(options),
           progress_(progress),
@@ -84,11 +74,11 @@ private:
     const ResponseModel& model_;
     const WallPrior& walls_;
     const SurfaceObservations& observations_;
+    SurfaceNoise noise_;
     const std::vector<ModulusPrior>& priors_;
     const MapOptions& options_;
     const ProgressSink& progress_;
     ModulusBounds bounds_;
-    double noise_scale_ = 1.0;
     std::vector<IterationRecord> records_;
 };
 
@@ -98,11 +88,7 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
     const auto kpa = model_.moduli(unknown, theta);
     State state{driven, model_.observed_displacement(kpa, driven), theta, {}, 0};
     state.seen = observations_.evaluate(state.driven, state.observed);
-    for (Index k = 0; k < observations_.num_rows(); ++k) {
-        const double z =
-            state.seen.residual_mm[k] / (noise_scale_ * observations_.rows()[k].sigma_mm);
-        state.objective += robust_loss(z);
-    }
+    state.objective = noise_.misfit(state.seen.residual_mm);
     state.objective += walls_.energy(driven);
     for (std::size_t k = 0; k < priors_.size(); ++k) {
         const double z = (theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
@@ -112,15 +98,7 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
 }
 
 std::vector<LinearRow> Search::rows_of(const State& state) const {
-    std::vector<LinearRow> rows;
-    for (Index k = 0; k < observations_.num_rows(); ++k) {
-        const auto& row = observations_.rows()[k];
-        const double sigma = noise_scale_ * row.sigma_mm;
-        const double residual = state.seen.residual_mm[k];
-        rows.push_back({row.on_driven, row.position, state.seen.normal.row(k), residual,
-                        sigma * robust_inflation(residual / sigma)});
-    }
-    return rows;
+    return noise_.linear_rows(state.seen);
 }
 
 LinearisedProblem Search::linearise(const State& state) const {
@@ -202,7 +180,7 @@ bool Search::update_noise(const ModulusMinimum& best) {
     const double factor = std::clamp(
         std::sqrt(best.evaluation.weighted_misfit / best.evaluation.effective_rows), 0.5, 2.0);
     if (std::abs(factor - 1.0) < 0.02) return false;
-    noise_scale_ = std::clamp(noise_scale_ * factor, 0.3, 20.0);
+    noise_.set_scale(std::clamp(noise_.scale() * factor, 0.3, 20.0));
     return true;
 }
 
@@ -220,7 +198,7 @@ void Search::record(int iteration, const State& state, const ModulusMinimum& bes
     records_.push_back(entry);
     report_progress(progress_, "searching", -1,
                     fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, noise x {:.2f}",
-                                iteration, text, step, entry.objective, noise_scale_));
+                                iteration, text, step, entry.objective, noise_.scale()));
 }
 
 MapEstimate Search::run() {
@@ -283,7 +261,7 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.observed = state.observed;
     estimate.unknown = priors_;
     estimate.theta = state.theta;
-    estimate.noise_scale = noise_scale_;
+    estimate.noise_scale = noise_.scale();
     estimate.records = records_;
     estimate.termination = termination;
     const LinearisedProblem problem = linearise(state);

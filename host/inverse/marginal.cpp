@@ -20,7 +20,7 @@ struct LinearisedProblem::Response {
     std::vector<double> kpa;                  // by region
     Eigen::LLT<Eigen::MatrixXd> equilibrium;  // of S(E)
     Eigen::MatrixXd shapes;                   // X = S^-1 T [modes, functionals]
-    Eigen::MatrixXd weighted;                 // B = R^-1/2 J P [rows, functionals]
+    Eigen::MatrixXd weighted;                 // B = J P [rows, functionals], whitened
     Eigen::LLT<Eigen::MatrixXd> inner;        // of M = 1 + B^T B
 };
 
@@ -33,15 +33,21 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
         std::count_if(rows.begin(), rows.end(), [](const auto& row) { return !row.on_driven; });
     seen_modes_.resize(count, model.num_modes());
     target_.resize(count);
-    variance_.resize(count);
-    Index j = 0;
+    Eigen::MatrixXd noise(count, count);
+    std::vector<const LinearRow*> seen;
     for (const auto& row : rows) {
         if (row.on_driven) continue;
+        const Index j = static_cast<Index>(seen.size());
         seen_modes_.row(j) = row.normal.transpose() * model.modes().middleRows<3>(3 * row.position);
         target_[j] = row.normal.dot(observed.segment<3>(3 * row.position)) - row.residual_mm;
-        variance_[j] = row.sigma_mm * row.sigma_mm;
-        ++j;
+        for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
+        noise(j, j) = noise_variance(row);
+        seen.push_back(&row);
     }
+    const auto noise_factor = cholesky(noise, "covariance of the noise");
+    noise_factor.matrixL().solveInPlace(seen_modes_);
+    noise_factor.matrixL().solveInPlace(target_);
+    noise_log_determinant_ = 2.0 * noise_factor.matrixLLT().diagonal().array().log().sum();
     mean_ = model.functionals() * walls_.mean();
     Eigen::MatrixXd covariance = walls_.covariance_of(model.spread(), model.prior_covariance());
     // Motions that the walls' own data pin down completely leave rounding behind.
@@ -59,7 +65,7 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
     response.shapes = response.equilibrium.solve(model_.coupling(response.kpa));
     response.weighted = -(seen_modes_ * response.shapes);
     response.weighted = response.weighted * spread_root_.triangularView<Eigen::Lower>();
-    response.weighted.array().colwise() /= variance_.array().sqrt();
+
     const Index k = model_.num_functionals();
     Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(k, k);
     inner.selfadjointView<Eigen::Lower>().rankUpdate(response.weighted.transpose());
@@ -79,17 +85,15 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
     result.driven = walls_.mean();
     if (num_observed_rows() == 0) return result;
 
-    // C^-1 = R^-1/2 (1 - B M^-1 B^T) R^-1/2, and M has the size of the functionals (Woodbury).
+    // Whitened, C^-1 = 1 - B M^-1 B^T, and M has the size of the functionals (Woodbury).
     const Response response = respond(theta);
-    const Eigen::VectorXd sigma = variance_.cwiseSqrt();
-    const Eigen::VectorXd error =
-        (target_ + seen_modes_ * (response.shapes * mean_)).cwiseQuotient(sigma);
+    const Eigen::VectorXd error = target_ + seen_modes_ * (response.shapes * mean_);
     const Eigen::VectorXd inner = response.inner.solve(response.weighted.transpose() * error);
-    const Eigen::VectorXd alpha = (error - response.weighted * inner).cwiseQuotient(sigma);
-    result.log_determinant = variance_.array().log().sum() +
-                             2.0 * response.inner.matrixLLT().diagonal().array().log().sum();
-    result.objective += 0.5 * sigma.cwiseProduct(error).dot(alpha) + 0.5 * result.log_determinant;
-    result.weighted_misfit = alpha.dot(variance_.cwiseProduct(alpha));
+    const Eigen::VectorXd alpha = error - response.weighted * inner;
+    result.log_determinant =
+        noise_log_determinant_ + 2.0 * response.inner.matrixLLT().diagonal().array().log().sum();
+    result.objective += 0.5 * error.dot(alpha) + 0.5 * result.log_determinant;
+    result.weighted_misfit = alpha.squaredNorm();
     Eigen::MatrixXd root_inverse =
         Eigen::MatrixXd::Identity(response.inner.rows(), response.inner.cols());
     response.inner.matrixL().solveInPlace(root_inverse);
@@ -108,14 +112,12 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
 }
 
 // With c the most probable functionals N u_d and dJ = -G_o V dX, dX = S^-1 (T' - S' X):
-//   dF = <dJ, W>,  W = C^-1 J N H^-1 N^T - alpha c^T = R^-1/2 B M^-1 P^T - alpha c^T.
+//   dF = <dJ, W>,  W = C^-1 J N H^-1 N^T - alpha c^T = B M^-1 P^T - alpha c^T.
 void LinearisedProblem::add_gradient(const Response& response, const Eigen::VectorXd& alpha,
                                      const Eigen::VectorXd& functionals,
                                      Eigen::VectorXd& gradient) const {
     const Eigen::MatrixXd right = response.inner.solve(spread_root_.transpose());
-    Eigen::MatrixXd left = response.weighted;
-    left.array().colwise() /= variance_.array().sqrt();
-    Eigen::MatrixXd adjoint = (seen_modes_.transpose() * left) * right;
+    Eigen::MatrixXd adjoint = (seen_modes_.transpose() * response.weighted) * right;
     adjoint -= (seen_modes_.transpose() * alpha) * functionals.transpose();
     response.equilibrium.solveInPlace(adjoint);
     const Eigen::MatrixXd moment = adjoint * response.shapes.transpose();

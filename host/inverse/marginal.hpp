@@ -63,12 +63,13 @@ private:
     const ResponseModel& model_;
     WallPosterior walls_;
     std::vector<ModulusPrior> priors_;
-    std::vector<Index> unknown_;   ///< regions of `priors_`
-    Eigen::MatrixXd seen_modes_;   ///< G_o V [rows, modes]
-    Eigen::VectorXd target_;       ///< y
-    Eigen::VectorXd variance_;     ///< diagonal of R
-    Eigen::VectorXd mean_;         ///< N m
-    Eigen::MatrixXd spread_root_;  ///< lower P with P P^T = N H^-1 N^T
+    std::vector<Index> unknown_;  ///< regions of `priors_`
+    // Rows are whitened: multiplied by the inverse of the Cholesky factor of R.
+    Eigen::MatrixXd seen_modes_;        ///< G_o V [rows, modes]
+    Eigen::VectorXd target_;            ///< y
+    double noise_log_determinant_ = 0;  ///< ln det R
+    Eigen::VectorXd mean_;              ///< N m
+    Eigen::MatrixXd spread_root_;       ///< lower P with P P^T = N H^-1 N^T
 };
 
 }  // namespace palpate

@@ -46,9 +46,9 @@ WallPosterior::WallPosterior(const WallPrior& prior, const std::vector<LinearRow
             const LinearRow& row = part.rows[j];
             for (Index i = j; i < n; ++i) {
                 gram(i, j) = part.wall->covariance(part.place[i], part.place[j]) *
-                             part.rows[i].normal.dot(row.normal);
+                                 part.rows[i].normal.dot(row.normal) +
+                             (i == j ? noise_variance(row) : noise_covariance(part.rows[i], row));
             }
-            gram(j, j) += row.sigma_mm * row.sigma_mm;
             wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) - row.residual_mm;
         }
         if (n == 0) continue;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "host/surfaces/surface.hpp"
@@ -21,10 +22,24 @@ std::map<Index, Index> positions(const std::vector<Index>& nodes) {
 
 }  // namespace
 
+double VoxelPlanes::terrace_variance(const Vec3& normal) const {
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double h = spacing[a];
+        const double cosine = std::min(1.0, std::abs(axes.col(a).dot(normal)) / normal.norm());
+        const double waves = smoothing_mm / h;
+        const double rms = h / (std::numbers::sqrt2 * std::numbers::pi) *
+                           std::exp(-2.0 * std::numbers::pi * std::numbers::pi * waves * waves *
+                                    (1.0 - cosine * cosine));
+        sum += rms * rms;
+    }
+    return sum;
+}
+
 SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, ObservedMaps maps,
                                          const std::vector<std::uint8_t>& node_is_seen,
                                          const ObservationOptions& options)
-    : maps_(std::move(maps)) {
+    : correlation_range_mm_(options.terrace_range_mm), maps_(std::move(maps)) {
     const auto driven = positions(recovery.driven);
     const auto observed = positions(recovery.observed);
     std::vector<int> surfaces_at(recovery.model.mesh.nodes.size(), 0);
@@ -45,14 +60,17 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             row.node = node;
             row.on_driven = as_driven != driven.end();
             row.position = row.on_driven ? as_driven->second : as_observed->second;
-            // Nodes closer together than the noise is correlated share its information, and so do
-            // the two organs that meet at one interface node.
-            const double share =
-                std::min(1.0, area[v] / options.correlation_area_mm2) / surfaces_at[node];
-            row.sigma_mm = options.noise_mm / std::sqrt(share);
+            row.place = surface.surface.vertices[v];
+            Vec3 normal;
+            own_offset_.push_back(maps_.reference[s].value(row.place, normal));
+            // Nodes that share a voxel share its information, and so do the two organs that meet at
+            // one interface node.
+            const double share = std::min(1.0, area[v] / options.independent_area_mm2);
+            row.independent_mm = options.noise_mm * std::sqrt(surfaces_at[node] / share);
+            double terraces = 0;
+            for (const auto& voxels : options.voxels) terraces += voxels.terrace_variance(normal);
+            row.correlated_mm = std::sqrt(terraces * surfaces_at[node]);
             rows_.push_back(row);
-            position_.push_back(surface.surface.vertices[v]);
-            own_offset_.push_back(maps_.reference[s].value(position_.back()));
         }
     }
 }
@@ -66,7 +84,7 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
         const auto& row = rows_[k];
         const Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
         Vec3 gradient;
-        const double distance = maps_.target[row.surface].value(position_[k] + u, gradient);
+        const double distance = maps_.target[row.surface].value(row.place + u, gradient);
         state.residual_mm[k] = distance - own_offset_[k];
         state.normal.row(k) = gradient;
     }

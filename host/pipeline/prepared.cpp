@@ -53,12 +53,22 @@ ObservedMaps observed_maps(const PreparedReference& prepared, const TargetState&
     return maps;
 }
 
-ObservationOptions observation_options(const Settings& settings, const ImageGrid& reference,
-                                       const ImageGrid& target) {
-    const double voxel = std::cbrt(std::max(reference.voxel_volume(), target.voxel_volume()));
+VoxelPlanes voxel_planes(const LabelledState& state, const Mat3& to_reference) {
+    const ImageGrid& grid = state.regions.grid;
+    return {to_reference * grid.direction, grid.spacing, state.field.smoothing_mm()};
+}
+
+ObservationOptions observation_options(const Settings& settings, const LabelledState& reference,
+                                       const TargetState& target) {
+    const double voxel = std::cbrt(
+        std::max(reference.regions.grid.voxel_volume(), target.state.regions.grid.voxel_volume()));
     ObservationOptions options;
     options.noise_mm = settings.prior.noise_voxels * voxel;
-    options.correlation_area_mm2 = 7.0 * voxel * voxel;
+    options.independent_area_mm2 = 2.0 * voxel * voxel;
+    options.terrace_range_mm = 4.0 * voxel;
+    options.voxels = {
+        voxel_planes(reference, Mat3::Identity()),
+        voxel_planes(target.state, target.alignment.reference_to_target.rotation.transpose())};
     return options;
 }
 
@@ -72,10 +82,10 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
     });
     MesherSummary mesher;
     RegionMesh mesh = mesh_of(options, reference, mesher, progress);
-    report_progress(progress, "meshing", 1,
-                    fmt::format("{}: {} nodes, {} elements, smallest dihedral angle {:.1f} deg",
-                                mesher.mesher, mesh.mesh.num_nodes(), mesh.mesh.num_tets(),
-                                mesher.quality.min_dihedral_deg));
+    report_progress(
+        progress, "meshing", 1,
+        fmt::format("{}: {} nodes, {} elements, smallest dihedral angle {:.1f} deg", mesher.mesher,
+                    mesh.mesh.num_nodes(), mesh.mesh.num_tets(), mesher.quality.min_dihedral_deg));
     auto done = maps.get();
     return prepare_mesh(std::move(reference), std::move(mesh), std::move(mesher), std::move(done),
                         options, timer, progress);
@@ -104,8 +114,7 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
     const SurfaceObservations observations(
         found.recovery, found.maps,
         seen_nodes(found.mesh.mesh, target.state.field, target.alignment.reference_to_target),
-        observation_options(options.settings, prepared.reference.state.regions.grid,
-                            target.state.regions.grid));
+        observation_options(options.settings, prepared.reference.state, target));
 
     timer.start("searching");
     found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,

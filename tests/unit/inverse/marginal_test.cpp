@@ -78,10 +78,10 @@ TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
         const Index first = 3 * row.position;
         if (row.on_driven) {
             hessian.block<3, 3>(first, first) +=
-                row.normal * row.normal.transpose() / (row.sigma_mm * row.sigma_mm);
+                row.normal * row.normal.transpose() / (noise_variance(row));
             right.segment<3>(first) +=
                 row.normal * (row.normal.dot(f.driven.segment<3>(first)) - row.residual_mm) /
-                (row.sigma_mm * row.sigma_mm);
+                (noise_variance(row));
         } else {
             normals.block<3, 1>(first, row.position) = row.normal;
             target[row.position] = row.normal.dot(f.observed.segment<3>(first)) - row.residual_mm;

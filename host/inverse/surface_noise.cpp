@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/inverse/surface_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "host/inverse/reduced_model.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double robust_limit = 3.0;  // standard deviations
+
+/// Twice the robust loss is the square of this.
+double pulled_in(double z) {
+    const double size = std::abs(z);
+    if (size <= robust_limit) return z;
+    return std::copysign(std::sqrt(2.0 * robust_limit * (size - 0.5 * robust_limit)), z);
+}
+
+/// Factor on sigma with which the quadratic loss has the slope of the robust one.
+double inflation(double z) { return std::sqrt(std::max(1.0, std::abs(z) / robust_limit)); }
+
+}  // namespace
+
+SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observations_(observations) {
+    std::map<std::pair<Index, bool>, std::vector<Index>> by_surface;
+    for (Index k = 0; k < observations.num_rows(); ++k) {
+        const Observation& seen = observations.rows()[k];
+        by_surface[{seen.surface, seen.on_driven}].push_back(k);
+        LinearRow row;
+        row.on_driven = seen.on_driven;
+        row.position = seen.position;
+        row.correlated_mm = seen.correlated_mm;
+        row.surface = seen.surface;
+        row.place = seen.place;
+        row.range_mm = observations.correlation_range_mm();
+        rows_.push_back(row);
+    }
+    for (auto& [surface, rows] : by_surface) groups_.push_back({std::move(rows), {}});
+    set_scale(1.0);
+}
+
+void SurfaceNoise::set_scale(double scale) {
+    scale_ = scale;
+    sigma_mm_.resize(rows_.size());
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        rows_[k].independent_mm = scale * observations_.rows()[k].independent_mm;
+        sigma_mm_[k] = std::sqrt(noise_variance(rows_[k]));
+    }
+    for (Group& group : groups_) {
+        const Index n = static_cast<Index>(group.rows.size());
+        Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
+        for (Index j = 0; j < n; ++j) {
+            const Index b = group.rows[j];
+            for (Index i = j + 1; i < n; ++i) {
+                const Index a = group.rows[i];
+                correlation(i, j) =
+                    noise_covariance(rows_[a], rows_[b]) / (sigma_mm_[a] * sigma_mm_[b]);
+            }
+        }
+        group.correlation = cholesky(correlation, "covariance of the noise");
+    }
+}
+
+double SurfaceNoise::misfit(const Eigen::VectorXd& residual_mm) const {
+    double sum = 0;
+    for (const Group& group : groups_) {
+        Eigen::VectorXd z(group.rows.size());
+        for (std::size_t i = 0; i < group.rows.size(); ++i) {
+            z[i] = pulled_in(residual_mm[group.rows[i]] / sigma_mm_[group.rows[i]]);
+        }
+        group.correlation.matrixL().solveInPlace(z);
+        sum += 0.5 * z.squaredNorm();
+    }
+    return sum;
+}
+
+std::vector<LinearRow> SurfaceNoise::linear_rows(const ObservedState& seen) const {
+    std::vector<LinearRow> rows = rows_;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        LinearRow& row = rows[k];
+        row.normal = seen.normal.row(k);
+        row.residual_mm = seen.residual_mm[k];
+        const double factor = inflation(row.residual_mm / sigma_mm_[k]);
+        row.independent_mm *= factor;
+        row.correlated_mm *= factor;
+    }
+    return rows;
+}
+
+}  // namespace palpate

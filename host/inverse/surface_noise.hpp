@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "host/inverse/linear_row.hpp"
+#include "host/objectives/surface_observations.hpp"
+
+namespace palpate {
+
+/// The noise of all observations: independent and correlated parts, and what becomes of outliers.
+/// Residuals beyond three standard deviations count linearly (Huber): a wrong label, a kink of the
+/// target or a distance far larger than a voxel must neither dominate nor stall the search.
+class SurfaceNoise {
+public:
+    explicit SurfaceNoise(const SurfaceObservations& observations);
+
+    /// Factor on the independent part; terraces follow from the voxels alone. At first 1.
+    void set_scale(double scale);
+    double scale() const { return scale_; }
+    /// 1/2 z^T C^-1 z, z the residuals in standard deviations with outliers pulled in, C the
+    /// correlation.
+    double misfit(const Eigen::VectorXd& residual_mm) const;
+    /// One row per observation, the noise of outliers inflated so that the quadratic loss has the
+    /// slope of the robust one.
+    std::vector<LinearRow> linear_rows(const ObservedState& seen) const;
+
+private:
+    /// Rows of one surface on nodes of one kind; others are independent of them.
+    struct Group {
+        std::vector<Index> rows;
+        Eigen::LLT<Eigen::MatrixXd> correlation;
+    };
+
+    const SurfaceObservations& observations_;
+    double scale_ = 1.0;
+    std::vector<LinearRow> rows_;    ///< without normals and residuals
+    std::vector<double> sigma_mm_;
+    std::vector<Group> groups_;
+};
+
+}  // namespace palpate
