@@ -18,10 +18,11 @@ namespace {
 
 struct RecoverArguments {
     std::string reference, target, config, out, mesh, transform;
-    std::string align = "auto";
+    std::string align = "auto", method = "map";
     SolverArguments solver;
     MesherArguments mesher;
     int max_iterations = MapOptions{}.max_iterations;
+    double search_time_s = 0;
     bool overwrite = false, quiet = false, keep_file_names = false;
 };
 
@@ -43,6 +44,10 @@ int run_recover(const RecoverArguments& arguments) {
     options.mesher = mesher_options(arguments.mesher);
     options.solver = solver_options(arguments.solver);
     options.search.max_iterations = arguments.max_iterations;
+    options.method = arguments.method == "map" ? SearchMethod::map : SearchMethod::nested_lbfgs;
+    options.nested.max_outer_iterations = arguments.max_iterations;
+    options.nested.time_limit_s = arguments.search_time_s;
+    options.nested.direct_library = options.solver.direct_library;
 
     const auto progress = console_progress(arguments.quiet);
     report_progress(progress, "reading", 0, "reading both segmentations");
@@ -83,6 +88,16 @@ void add_recover(CLI::App& app, Run& run) {
         ->excludes(align);
     command->add_option("--mesh", arguments->mesh,
                         "Ready mesh of the reference (.vtu, cell array 'region' with labels)");
+    command
+        ->add_option("--method", arguments->method,
+                     "Search: map (with intervals), nested-lbfgs (the published baseline: slow, "
+                     "no intervals)")
+        ->check(CLI::IsMember({"map", "nested-lbfgs"}))
+        ->capture_default_str();
+    command
+        ->add_option("--search-time", arguments->search_time_s,
+                     "Seconds after which nested-lbfgs stops with its best point; 0: no limit")
+        ->check(CLI::NonNegativeNumber);
     command->add_option("--max-iterations", arguments->max_iterations, "Of the search")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();

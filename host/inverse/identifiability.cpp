@@ -31,6 +31,10 @@ Verdict judge_unobserved(bool surface_is_driven) {
             "no free surface of the organ was seen in both images; the prior median is shown"};
 }
 
+Verdict not_judged(const std::string& method) {
+    return {"not judged", fmt::format("the 95 % interval is not computed by {}", method)};
+}
+
 Verdict judge_without_reference() {
     return {"not identifiable",
             "no tissue has a known modulus: with no measured force only ratios can be found; give "

@@ -9,7 +9,7 @@ namespace palpate {
 
 /// What the data say about one unknown modulus.
 struct Verdict {
-    std::string verdict;  ///< "recovered", "weak", "not identifiable"
+    std::string verdict;  ///< "recovered", "weak", "not identifiable", "not judged"
     std::string reason;   ///< one sentence
 };
 
@@ -23,5 +23,8 @@ Verdict judge_unobserved(bool surface_is_driven);
 
 /// For a model whose every modulus is unknown: only ratios of moduli can be found.
 Verdict judge_without_reference();
+
+/// For a search that computes no interval.
+Verdict not_judged(const std::string& method);
 
 }  // namespace palpate

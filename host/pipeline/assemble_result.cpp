@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/inverse/identifiability.hpp"
 #include "host/inverse/uncertainty.hpp"
@@ -57,6 +58,12 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     result.interval_kpa = {result.stiffness_kpa / spread, result.stiffness_kpa * spread};
     for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
         if (estimate.unknown[k].region != result.region) continue;
+        if (estimate.interval_kpa.empty()) {
+            result.sd_ln = std::numeric_limits<double>::quiet_NaN();
+            result.interval_kpa = {result.sd_ln, result.sd_ln};
+            verdict = not_judged("nested-lbfgs");
+            continue;
+        }
         const Index row = static_cast<Index>(k);
         result.interval_kpa = with_model_error(estimate.interval_kpa[k], result.stiffness_kpa);
         result.sd_ln = std::hypot(std::sqrt(estimate.covariance(row, row)), model_sd_ln);

@@ -72,6 +72,33 @@ ObservationOptions observation_options(const Settings& settings, const LabelledS
     return options;
 }
 
+/// The wall and surface motion of a full displacement: [3 nodes.size()] mm.
+Eigen::VectorXd at_nodes(const Eigen::VectorXd& displacement, const std::vector<Index>& nodes) {
+    Eigen::VectorXd part(3 * static_cast<Index>(nodes.size()));
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        part.segment<3>(3 * static_cast<Index>(k)) = displacement.segment<3>(3 * nodes[k]);
+    }
+    return part;
+}
+
+/// What the published method finds, without covariance, intervals or profiles.
+MapEstimate nested_estimate(const RecoveryModel& recovery, const SurfaceObservations& observations,
+                            const RecoverOptions& options, const ProgressSink& progress) {
+    const NestedEstimate found = nested_lbfgs(recovery, observations, options.nested, progress);
+    const auto& prior = options.settings.prior;
+    MapEstimate estimate;
+    estimate.driven = at_nodes(found.displacement, recovery.driven);
+    estimate.observed = at_nodes(found.displacement, recovery.observed);
+    for (const Index region : found.unknown) {
+        estimate.unknown.push_back(
+            {region, std::log(prior_median_kpa(options.settings)), prior.stiffness_sd_ln});
+    }
+    estimate.theta = found.theta;
+    estimate.records = found.records;
+    estimate.termination = found.termination;
+    return estimate;
+}
+
 }  // namespace
 
 PreparedReference prepare_reference(ReferenceState reference, const RecoverOptions& options,
@@ -117,8 +144,10 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
         observation_options(options.settings, prepared.reference.state, target));
 
     timer.start("searching");
-    found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
-                                  mechanics.priors, options.search, progress);
+    found.estimate = options.method == SearchMethod::nested_lbfgs
+                         ? nested_estimate(found.recovery, observations, options, progress)
+                         : map_estimate(mechanics.response, mechanics.walls, observations,
+                                        mechanics.priors, options.search, progress);
 
     timer.start("solving");
     solve_full_model(found, options.solver, progress);

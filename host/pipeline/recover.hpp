@@ -9,6 +9,7 @@
 
 #include "host/imaging/label_image.hpp"
 #include "host/inverse/map_estimate.hpp"
+#include "host/inverse/nested_lbfgs.hpp"
 #include "host/meshing/mesher.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/settings.hpp"
@@ -16,6 +17,12 @@
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
+
+/// How moduli and wall motion are searched.
+enum class SearchMethod {
+    map,           ///< the most probable ones, with intervals
+    nested_lbfgs,  ///< the published baseline, without intervals
+};
 
 struct RecoverOptions {
     Settings settings;
@@ -25,7 +32,9 @@ struct RecoverOptions {
     std::filesystem::path
         initial_transform;  ///< rigid ITK transform, reference to target, or empty
     LinearSolverOptions solver;
+    SearchMethod method = SearchMethod::map;
     MapOptions search;
+    NestedOptions nested;  ///< for `nested_lbfgs`
 };
 
 /// A label volume and what messages and reports call it.

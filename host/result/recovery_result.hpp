@@ -30,8 +30,10 @@ struct RegionResult {
     double stiffness_kpa = 0;                  ///< estimated or given; 0 for hollow regions
     std::array<double, 2> interval_kpa{0, 0};  ///< 95 % interval; equal ends for a given modulus
     double sd_ln = 0;                          ///< posterior sd of ln E
-    std::string verdict;  ///< "recovered", "weak", "not identifiable", "given", "hollow"
-    std::string reason;   ///< one sentence in words
+    /// "recovered", "weak", "not identifiable", "given", "hollow", or "not judged": then interval
+    /// and sd are NaN, because the search computes none.
+    std::string verdict;
+    std::string reason;  ///< one sentence in words
 };
 
 /// Agreement of one organ's surface with its target, before (aligned) and after.
