@@ -36,7 +36,8 @@ ColumnSelection select_columns(const Eigen::MatrixXd& gram, double tolerance) {
         kept.columns.push_back(pivot);
         ++rank;
     }
-    kept.lower = rows(kept.columns, Eigen::seqN(0, rank));
+    kept.root = rows.leftCols(rank);
+    kept.lower = kept.root(kept.columns, Eigen::all);
     return kept;
 }
 

@@ -11,7 +11,9 @@ namespace palpate {
 /// Cholesky factorisation with diagonal pivoting (Harbrecht, Peters and Schneider 2012).
 struct ColumnSelection {
     std::vector<Eigen::Index> columns;  ///< in the order of their choice
-    Eigen::MatrixXd lower;              ///< L of the Gram matrix of those columns
+    Eigen::MatrixXd
+        root;  ///< [columns of X, chosen] R with R R^T = Gram matrix up to the tolerance
+    Eigen::MatrixXd lower;  ///< its rows for the chosen columns, lower triangular
 
     /// X[:, columns] L^-T: orthonormal columns in the inner product of the Gram matrix.
     Eigen::MatrixXd columns_of(const Eigen::MatrixXd& matrix) const;

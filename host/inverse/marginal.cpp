@@ -16,11 +16,13 @@ std::vector<Index> regions_of(const std::vector<ModulusPrior>& priors) {
 
 }  // namespace
 
+// The wall motion that is left free by the walls' own data, c = N m + P w with w ~ N(0, 1): all
+// products are made with P, whose rank is far below the number of functionals.
 struct LinearisedProblem::Response {
     std::vector<double> kpa;                  // by region
     Eigen::LLT<Eigen::MatrixXd> equilibrium;  // of S(E)
-    Eigen::MatrixXd shapes;                   // X = S^-1 T [modes, functionals]
-    Eigen::MatrixXd weighted;                 // B = J P [rows, functionals], whitened
+    Eigen::MatrixXd shapes;                   // S^-1 T [P | N m], [modes, rank + 1]
+    Eigen::MatrixXd weighted;                 // B = J P [rows, rank], whitened
     Eigen::LLT<Eigen::MatrixXd> inner;        // of M = 1 + B^T B
 };
 
@@ -49,12 +51,14 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
     noise_factor.matrixL().solveInPlace(target_);
     noise_log_determinant_ = 2.0 * noise_factor.matrixLLT().diagonal().array().log().sum();
     mean_ = model.functionals() * walls_.mean();
-    Eigen::MatrixXd covariance = walls_.covariance_of(model.spread(), model.prior_covariance());
-    // Motions that the walls' own data pin down completely leave rounding behind.
-    if (covariance.size() > 0) {
-        covariance.diagonal().array() += 1e-12 * covariance.diagonal().maxCoeff();
+    spread_root_ =
+        model.significant_root(walls_.covariance_of(model.spread(), model.prior_covariance()));
+    Eigen::MatrixXd motions(mean_.size(), rank() + 1);
+    motions << spread_root_, mean_;
+    for (const auto& region : model.regions()) {
+        coupling_.emplace_back();
+        if (region.coupling.size() > 0) coupling_.back() = region.coupling * motions;
     }
-    spread_root_ = cholesky(covariance, "covariance of the wall motion").matrixL();
 }
 
 LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& theta) const {
@@ -62,12 +66,14 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
     response.kpa = model_.moduli(unknown_, theta);
     response.equilibrium =
         cholesky(model_.stiffness(response.kpa), "stiffness of the observed nodes");
-    response.shapes = response.equilibrium.solve(model_.coupling(response.kpa));
-    response.weighted = -(seen_modes_ * response.shapes);
-    response.weighted = response.weighted * spread_root_.triangularView<Eigen::Lower>();
-
-    const Index k = model_.num_functionals();
-    Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(k, k);
+    response.shapes = Eigen::MatrixXd::Zero(model_.num_modes(), rank() + 1);
+    for (std::size_t r = 0; r < coupling_.size(); ++r) {
+        if (coupling_[r].size() == 0) continue;
+        response.shapes += response.kpa[model_.regions()[r].region] * coupling_[r];
+    }
+    response.equilibrium.solveInPlace(response.shapes);
+    response.weighted = -(seen_modes_ * response.shapes.leftCols(rank()));
+    Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(rank(), rank());
     inner.selfadjointView<Eigen::Lower>().rankUpdate(response.weighted.transpose());
     response.inner = cholesky(inner, "covariance of the observed surface");
     return response;
@@ -85,49 +91,49 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
     result.driven = walls_.mean();
     if (num_observed_rows() == 0) return result;
 
-    // Whitened, C^-1 = 1 - B M^-1 B^T, and M has the size of the functionals (Woodbury).
+    // Whitened, C^-1 = 1 - B M^-1 B^T, and M has the rank of the free wall motion (Woodbury).
     const Response response = respond(theta);
-    const Eigen::VectorXd error = target_ + seen_modes_ * (response.shapes * mean_);
+    const Eigen::VectorXd error = target_ + seen_modes_ * response.shapes.col(rank());
     const Eigen::VectorXd inner = response.inner.solve(response.weighted.transpose() * error);
     const Eigen::VectorXd alpha = error - response.weighted * inner;
     result.log_determinant =
         noise_log_determinant_ + 2.0 * response.inner.matrixLLT().diagonal().array().log().sum();
     result.objective += 0.5 * error.dot(alpha) + 0.5 * result.log_determinant;
     result.weighted_misfit = alpha.squaredNorm();
-    Eigen::MatrixXd root_inverse =
-        Eigen::MatrixXd::Identity(response.inner.rows(), response.inner.cols());
+    Eigen::MatrixXd root_inverse = Eigen::MatrixXd::Identity(rank(), rank());
     response.inner.matrixL().solveInPlace(root_inverse);
-    result.effective_rows = static_cast<double>(num_observed_rows() - response.inner.rows()) +
-                            root_inverse.squaredNorm();
+    result.effective_rows =
+        static_cast<double>(num_observed_rows() - rank()) + root_inverse.squaredNorm();
 
-    // u_d = m + H^-1 N^T J^T alpha.
-    const Eigen::VectorXd pull = -(response.shapes.transpose() * (seen_modes_.transpose() * alpha));
+    // u_d = m + H^-1 N^T J^T alpha, J^T alpha = -T^T S^-1 V^T G_o^T alpha.
+    const Eigen::VectorXd seen_alpha = seen_modes_.transpose() * alpha;
+    const Eigen::VectorXd pull =
+        -(model_.coupling(response.kpa).transpose() * response.equilibrium.solve(seen_alpha));
     result.driven += walls_.conditioned(model_.spread() * pull);
-    if (with_gradient) {
-        const Eigen::VectorXd functionals =
-            mean_ + spread_root_ * (spread_root_.transpose() * pull);
-        add_gradient(response, alpha, functionals, result.gradient);
-    }
+    if (with_gradient) add_gradient(response, alpha, seen_alpha, result.gradient);
     return result;
 }
 
-// With c the most probable functionals N u_d and dJ = -G_o V dX, dX = S^-1 (T' - S' X):
-//   dF = <dJ, W>,  W = C^-1 J N H^-1 N^T - alpha c^T = B M^-1 P^T - alpha c^T.
+// With dJ = -G_o V dX, dX = S^-1 (T' - S' X), and the most probable motion c = N m + P w,
+// w = P^T J^T alpha = B^T alpha:
+//   dF = <dJ, W>,  W = C^-1 J P P^T - alpha c^T = (B M^-1 - alpha w^T) P^T - alpha (N m)^T.
+// In the columns [P | N m] of `shapes` and `coupling_`, W is [B M^-1 - alpha w^T | -alpha].
 void LinearisedProblem::add_gradient(const Response& response, const Eigen::VectorXd& alpha,
-                                     const Eigen::VectorXd& functionals,
+                                     const Eigen::VectorXd& seen_alpha,
                                      Eigen::VectorXd& gradient) const {
-    const Eigen::MatrixXd right = response.inner.solve(spread_root_.transpose());
-    Eigen::MatrixXd adjoint = (seen_modes_.transpose() * response.weighted) * right;
-    adjoint -= (seen_modes_.transpose() * alpha) * functionals.transpose();
+    Eigen::MatrixXd adjoint(model_.num_modes(), rank() + 1);
+    adjoint.leftCols(rank()) =
+        response.inner.solve((seen_modes_.transpose() * response.weighted).transpose()).transpose();
+    adjoint.leftCols(rank()) -= seen_alpha * (response.weighted.transpose() * alpha).transpose();
+    adjoint.col(rank()) = -seen_alpha;
     response.equilibrium.solveInPlace(adjoint);
     const Eigen::MatrixXd moment = adjoint * response.shapes.transpose();
     for (Index k = 0; k < num_unknown(); ++k) {
-        for (const auto& region : model_.regions()) {
+        for (std::size_t r = 0; r < coupling_.size(); ++r) {
+            const auto& region = model_.regions()[r];
             if (region.region != unknown_[k]) continue;
             double change = region.stiffness.cwiseProduct(moment).sum();
-            if (region.coupling.size() > 0) {
-                change -= region.coupling.cwiseProduct(adjoint).sum();
-            }
+            if (coupling_[r].size() > 0) change -= coupling_[r].cwiseProduct(adjoint).sum();
             gradient[k] += response.kpa[region.region] * change;
         }
     }

@@ -51,6 +51,8 @@ public:
     Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const;
 
     Index num_unknown() const { return static_cast<Index>(priors_.size()); }
+    /// Of the free wall motion: how many combinations of functionals the walls leave open.
+    Index rank() const { return static_cast<Index>(spread_root_.cols()); }
     Index num_observed_rows() const { return static_cast<Index>(target_.size()); }
     const std::vector<ModulusPrior>& priors() const { return priors_; }
 
@@ -58,7 +60,7 @@ private:
     struct Response;
     Response respond(const Eigen::VectorXd& theta) const;
     void add_gradient(const Response& response, const Eigen::VectorXd& alpha,
-                      const Eigen::VectorXd& functionals, Eigen::VectorXd& gradient) const;
+                      const Eigen::VectorXd& seen_alpha, Eigen::VectorXd& gradient) const;
 
     const ResponseModel& model_;
     WallPosterior walls_;
@@ -69,7 +71,9 @@ private:
     Eigen::VectorXd target_;            ///< y
     double noise_log_determinant_ = 0;  ///< ln det R
     Eigen::VectorXd mean_;              ///< N m
-    Eigen::MatrixXd spread_root_;       ///< lower P with P P^T = N H^-1 N^T
+    Eigen::MatrixXd spread_root_;       ///< P [functionals, rank], P P^T = N H^-1 N^T
+    std::vector<Eigen::MatrixXd>
+        coupling_;  ///< T_r [P | N m] per region; empty without driven nodes
 };
 
 }  // namespace palpate

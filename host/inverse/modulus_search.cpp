@@ -12,8 +12,8 @@ namespace {
 
 constexpr int scan_points = 11;
 constexpr int most_steps = 25;
-constexpr double longest_step = 1.0;     // of ln E
-constexpr double small_gradient = 1e-3;  // in posterior standard deviations
+constexpr double longest_step = 1.0;      // of ln E
+constexpr double small_gradient = 0.003;  // in posterior standard deviations
 
 /// Negative and tiny curvatures are replaced by the prior's, so that the step goes downhill.
 Eigen::MatrixXd made_definite(const Eigen::MatrixXd& hessian,

@@ -40,6 +40,12 @@ Eigen::VectorXd ResponseModel::observed_displacement(const std::vector<double>& 
     return -(modes_ * equilibrium.solve(coupling(kpa) * (functionals_ * driven)));
 }
 
+Eigen::MatrixXd ResponseModel::significant_root(const Eigen::MatrixXd& covariance) const {
+    const Eigen::MatrixXd weighted = influence_.asDiagonal() * covariance * influence_.asDiagonal();
+    const ColumnSelection kept = select_columns(weighted, root_tolerance_);
+    return influence_.cwiseInverse().asDiagonal() * kept.root;
+}
+
 /// Finds functionals and modes from responses of the condensed model at a few moduli.
 class ResponseBuilder {
 public:
@@ -55,6 +61,7 @@ public:
         result_.functionals_.setIdentity(n, n);
         result_.spread_ = prior_.covariance_times(result_.functionals_);
         result_.prior_covariance_ = result_.spread_;
+        result_.influence_.setOnes(n);
         for (const auto& region : model_.regions()) {
             Eigen::MatrixXd stiffness =
                 Eigen::MatrixXd::Zero(model_.observed_dofs(), model_.observed_dofs());
@@ -160,7 +167,13 @@ private:
     }
 
     void add_modes_at(const Moduli& kpa) {
-        result_.modes_ = extended_basis(result_.modes_, responses_at(kpa), 0.5 * tolerance());
+        const Eigen::MatrixXd responses = responses_at(kpa);
+        if (result_.influence_.size() == 0) {
+            const double floor = 1e-6 * responses.norm();
+            result_.influence_ = responses.colwise().norm().cwiseMax(floor).transpose();
+            result_.root_tolerance_ = 0.5 * tolerance();
+        }
+        result_.modes_ = extended_basis(result_.modes_, responses, 0.5 * tolerance());
     }
 
     void add_modes_off_the_diagonal(Index region) {

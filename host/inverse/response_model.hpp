@@ -52,6 +52,9 @@ public:
     const Eigen::MatrixXd& functionals() const { return functionals_; }  ///< N
     const Eigen::MatrixXd& spread() const { return spread_; }  ///< Q^-1 N^T [driven_dofs, k]
     const Eigen::MatrixXd& prior_covariance() const { return prior_covariance_; }  ///< N Q^-1 N^T
+    /// P [functionals, rank] with P P^T = `covariance` of the functionals, up to motions that move
+    /// the observed surface by less than the tolerance.
+    Eigen::MatrixXd significant_root(const Eigen::MatrixXd& covariance) const;
     /// Measured: root mean square of the observed displacement left out, mm.
     double left_out_mm() const { return left_out_mm_; }
 
@@ -69,6 +72,8 @@ private:
     std::vector<Region> regions_;
     std::vector<double> stiffness_kpa_;
     Eigen::MatrixXd modes_, functionals_, spread_, prior_covariance_;
+    Eigen::VectorXd influence_;  ///< norm of the observed displacement for each unit functional, mm
+    double root_tolerance_ = 0;
     double left_out_mm_ = 0;
 };
 

@@ -36,7 +36,7 @@ private:
 
     const SurfaceObservations& observations_;
     double scale_ = 1.0;
-    std::vector<LinearRow> rows_;    ///< without normals and residuals
+    std::vector<LinearRow> rows_;  ///< without normals and residuals
     std::vector<double> sigma_mm_;
     std::vector<Group> groups_;
 };

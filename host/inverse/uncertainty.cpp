@@ -22,7 +22,7 @@ Eigen::MatrixXd laplace_covariance(const LinearisedProblem& problem, const Eigen
 
 ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
                          const Eigen::MatrixXd& covariance, Index unknown) {
-    constexpr int half_points = 8;
+    constexpr int half_points = 5;
     const double sd = std::sqrt(covariance(unknown, unknown));
     const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
     ProfileResult profile;
@@ -41,7 +41,9 @@ std::array<double, 2> profile_interval(const ProfileResult& profile, double best
     const auto& x = profile.stiffness_kpa;
     const auto& f = profile.objective;
     const auto crossing = [&](std::size_t inside, std::size_t beyond) {
-        const double t = (profile_rise - f[inside]) / (f[beyond] - f[inside]);
+        // The root of the rise is linear in ln E for a Gaussian.
+        const double t = (std::sqrt(profile_rise) - std::sqrt(f[inside])) /
+                         (std::sqrt(f[beyond]) - std::sqrt(f[inside]));
         return std::exp((1 - t) * std::log(x[inside]) + t * std::log(x[beyond]));
     };
     std::size_t best = 0;

@@ -130,9 +130,9 @@ TEST(Marginal, SearchEndsWhereTheGradientVanishes) {
 
     const auto found = minimise_moduli(problem, scan_moduli(problem, bounds), bounds);
 
-    // In posterior standard deviations: a thousandth of one from the minimum.
+    // In posterior standard deviations: less than a hundredth of one from the minimum.
     const Eigen::VectorXd gradient = problem.evaluate(found.theta, true).gradient;
-    EXPECT_LT(gradient.dot(problem.hessian(found.theta).llt().solve(gradient)), 4e-6);
+    EXPECT_LT(gradient.dot(problem.hessian(found.theta).llt().solve(gradient)), 1e-4);
     for (const double shift : {-0.05, 0.05}) {
         for (Index k = 0; k < 2; ++k) {
             const Eigen::VectorXd near = found.theta + shift * Eigen::VectorXd::Unit(2, k);
