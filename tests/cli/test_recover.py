@@ -54,6 +54,19 @@ def test_the_surfaces_come_closer(result):
         assert surface["dice_after"] > surface["dice_before"]
 
 
+def test_the_published_method_comes_close_without_an_interval(phantom, tmp_path):
+    out = tmp_path / "out"
+    finished = run_palpate(*recover_arguments(phantom, out, "--method", "nested-lbfgs",
+                                               "--search-time", 15))
+    assert finished.returncode in (0, 7), finished.stderr  # 7: time, or noise in its line search
+    report = json.loads((out / "result.json").read_text())
+    found = prostate(report)
+    assert found["verdict"] == "not judged" and "nested-lbfgs" in found["reason"]
+    assert found["interval_kpa"] == [None, None]
+    for surface in report["surfaces"]:
+        assert surface["mean_distance_mm_after"] < 0.3 * surface["mean_distance_mm_before"]
+
+
 def test_the_displacement_is_a_vector_image_on_the_reference_grid(phantom, result):
     out, _ = result
     reference = nibabel.load(phantom / "reference.nii.gz")
