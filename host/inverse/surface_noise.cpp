@@ -80,9 +80,11 @@ double SurfaceNoise::misfit(const Eigen::VectorXd& residual_mm) const {
 }
 
 std::vector<LinearRow> SurfaceNoise::linear_rows(const ObservedState& seen) const {
-    std::vector<LinearRow> rows = rows_;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-        LinearRow& row = rows[k];
+    std::vector<LinearRow> rows;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        if (!seen.seen[k]) continue;
+        rows.push_back(rows_[k]);
+        LinearRow& row = rows.back();
         row.normal = seen.normal.row(k);
         row.residual_mm = seen.residual_mm[k];
         const double factor = inflation(row.residual_mm / sigma_mm_[k]);

@@ -36,10 +36,10 @@ double VoxelPlanes::terrace_variance(const Vec3& normal) const {
     return sum;
 }
 
-SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, ObservedMaps maps,
+SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, ObservedShapes shapes,
                                          const std::vector<std::uint8_t>& node_is_seen,
                                          const ObservationOptions& options)
-    : correlation_range_mm_(options.terrace_range_mm), maps_(std::move(maps)) {
+    : correlation_range_mm_(options.terrace_range_mm), shapes_(std::move(shapes)) {
     const auto driven = positions(recovery.driven);
     const auto observed = positions(recovery.observed);
     std::vector<int> surfaces_at(recovery.model.mesh.nodes.size(), 0);
@@ -48,6 +48,7 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
     }
     for (std::size_t s = 0; s < recovery.surfaces.size(); ++s) {
         const auto& surface = recovery.surfaces[s];
+        if (!shapes_.target[s]) continue;
         const auto area = vertex_areas(surface.surface);
         for (std::size_t v = 0; v < surface.node_of.size(); ++v) {
             const Index node = surface.node_of[v];
@@ -61,8 +62,10 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             row.on_driven = as_driven != driven.end();
             row.position = row.on_driven ? as_driven->second : as_observed->second;
             row.place = surface.surface.vertices[v];
-            Vec3 normal;
-            own_offset_.push_back(maps_.reference[s].value(row.place, normal));
+            const ShapeDistance own = shapes_.reference[s]->measure(row.place, Vec3::Zero());
+            const Vec3& normal = own.normal;
+            own_offset_.push_back(own.mm);
+            facing_.push_back(normal);
             // Nodes that share a voxel share its information, and so do the two organs that meet at
             // one interface node.
             const double share = std::min(1.0, area[v] / options.independent_area_mm2);
@@ -83,10 +86,11 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
     for (Index k = 0; k < num_rows(); ++k) {
         const auto& row = rows_[k];
         const Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
-        Vec3 gradient;
-        const double distance = maps_.target[row.surface].value(row.place + u, gradient);
-        state.residual_mm[k] = distance - own_offset_[k];
-        state.normal.row(k) = gradient;
+        const ShapeDistance target =
+            shapes_.target[row.surface]->measure(row.place + u, facing_[k]);
+        state.residual_mm[k] = target.is_seen ? target.mm - own_offset_[k] : 0.0;
+        state.normal.row(k) = target.normal;
+        state.seen.push_back(target.is_seen);
     }
     return state;
 }

@@ -2,18 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "host/modelling/build_model.hpp"
-#include "host/surfaces/distance_map.hpp"
+#include "host/surfaces/target_shape.hpp"
 
 namespace palpate {
 
 /// What a surface node is compared with: the same organ in both states, both in the reference frame
-/// (the target aligned), in the order of `RecoveryModel::surfaces`.
-struct ObservedMaps {
-    std::vector<DistanceMap> reference;
-    std::vector<DistanceMap> target;
+/// (the target aligned), in the order of `RecoveryModel::surfaces`. An organ without a target
+/// (null) carries no data.
+struct ObservedShapes {
+    std::vector<std::shared_ptr<const TargetShape>> reference;
+    std::vector<std::shared_ptr<const TargetShape>> target;
 };
 
 /// The voxels of one label volume, in the reference frame. Where a surface runs nearly along voxel
@@ -58,14 +60,15 @@ struct Observation {
 struct ObservedState {
     Eigen::VectorXd residual_mm;  ///< [num_observations]
     Eigen::Matrix<double, Eigen::Dynamic, 3>
-        normal;  ///< gradient of the residual with respect to u
+        normal;                      ///< gradient of the residual with respect to u
+    std::vector<std::uint8_t> seen;  ///< [num_observations] 0: the target says nothing there
 };
 
 class SurfaceObservations {
 public:
     /// Observations of every vertex of every observed surface whose node may move. Nodes outside
     /// `target_field`'s box (in the aligned frame) carry no data: they were not seen.
-    SurfaceObservations(const RecoveryModel& recovery, ObservedMaps maps,
+    SurfaceObservations(const RecoveryModel& recovery, ObservedShapes shapes,
                         const std::vector<std::uint8_t>& node_is_seen,
                         const ObservationOptions& options);
 
@@ -80,7 +83,8 @@ private:
     std::vector<Observation> rows_;
     double correlation_range_mm_;
     std::vector<double> own_offset_;  ///< d_reference(x) of each row
-    ObservedMaps maps_;
+    ObservedShapes shapes_;
+    std::vector<Vec3> facing_;  ///< outward normal of each row's surface at rest
 };
 
 }  // namespace palpate

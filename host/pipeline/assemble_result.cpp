@@ -129,7 +129,7 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelF
     result.role = observed.driven ? "driven" : "tissue";
     result.reference = observed.surface;
     result.node_of = observed.node_of;
-    const auto& map = found.maps.target[s];
+    const DistanceMap& map = *found.target_maps[s];
     std::vector<std::uint8_t> seen;
     for (std::size_t v = 0; v < observed.node_of.size(); ++v) {
         const Vec3& x = observed.surface.vertices[v];

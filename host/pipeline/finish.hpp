@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "host/inverse/map_estimate.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/build_model.hpp"
-#include "host/objectives/surface_observations.hpp"
 #include "host/result/recovery_result.hpp"
+#include "host/surfaces/distance_map.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
@@ -20,7 +21,7 @@ struct Recovered {
     RegionMesh mesh;
     MesherSummary mesher;
     RecoveryModel recovery;
-    ObservedMaps maps;
+    std::vector<std::shared_ptr<const DistanceMap>> target_maps;  ///< in the reference frame
     MapEstimate estimate;
     // Filled by `solve_full_model`:
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm

@@ -42,15 +42,25 @@ std::vector<std::uint8_t> seen_nodes(const Mesh& mesh, const LabelField& target,
     return seen;
 }
 
-ObservedMaps observed_maps(const PreparedReference& prepared, const TargetState& target,
-                           const Settings& settings) {
-    ObservedMaps maps;
-    maps.reference = prepared.maps;
+/// Target maps in the reference frame.
+std::vector<std::shared_ptr<const DistanceMap>> target_maps(const TargetState& target,
+                                                            const Settings& settings) {
     const RigidTransform back = target.alignment.reference_to_target.inverse();
+    std::vector<std::shared_ptr<const DistanceMap>> maps;
     for (const auto& map : maps_of_matched(target.state.field, settings)) {
-        maps.target.push_back(map.moved(back));
+        maps.push_back(std::make_shared<DistanceMap>(map.moved(back)));
     }
     return maps;
+}
+
+/// `prepared` must outlive the shapes.
+ObservedShapes observed_shapes(const PreparedReference& prepared, const Recovered& found) {
+    ObservedShapes shapes;
+    for (const auto& map : prepared.maps) {
+        shapes.reference.emplace_back(std::shared_ptr<void>(), &map);
+    }
+    shapes.target.assign(found.target_maps.begin(), found.target_maps.end());
+    return shapes;
 }
 
 VoxelPlanes voxel_planes(const LabelledState& state, const Mat3& to_reference) {
@@ -137,9 +147,9 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
     found.recovery = mechanics.recovery;
 
     timer.start("distances");
-    found.maps = observed_maps(prepared, target, options.settings);
+    found.target_maps = target_maps(target, options.settings);
     const SurfaceObservations observations(
-        found.recovery, found.maps,
+        found.recovery, observed_shapes(prepared, found),
         seen_nodes(found.mesh.mesh, target.state.field, target.alignment.reference_to_target),
         observation_options(options.settings, prepared.reference.state, target));
 

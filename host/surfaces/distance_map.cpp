@@ -206,6 +206,12 @@ double DistanceMap::value(const Vec3& point, Vec3& gradient) const {
     return value;
 }
 
+ShapeDistance DistanceMap::measure(const Vec3& point, const Vec3&) const {
+    ShapeDistance result;
+    result.mm = value(point, result.normal);
+    return result;
+}
+
 DistanceMap DistanceMap::moved(const RigidTransform& transform) const {
     DistanceMap result = *this;
     result.grid_.origin = transform.apply(grid_.origin);

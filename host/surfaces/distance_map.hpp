@@ -6,6 +6,7 @@
 
 #include "host/imaging/label_field.hpp"
 #include "host/surfaces/surface.hpp"
+#include "host/surfaces/target_shape.hpp"
 
 namespace palpate {
 
@@ -13,7 +14,7 @@ namespace palpate {
 /// exact distances to the zero level of a `LabelField`, sampled on a regular grid and interpolated
 /// by cubic B-splines. This is the smooth closest point of the inverse problem: the closest point
 /// of y is y - d(y) grad d(y), without the kinks of a faceted surface.
-class DistanceMap {
+class DistanceMap : public TargetShape {
 public:
     /// The map reaches `margin_mm` beyond the region's voxels; further out it continues linearly.
     /// If the region is cut by the image box, its surface is continued beyond the box (LabelField).
@@ -22,6 +23,8 @@ public:
 
     double value(const Vec3& point) const;
     double value(const Vec3& point, Vec3& gradient) const;
+
+    ShapeDistance measure(const Vec3& point, const Vec3& facing) const override;
 
     /// The same surface moved rigidly: map.moved(T).value(T(y)) == map.value(y).
     DistanceMap moved(const RigidTransform& transform) const;

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include "host/meshing/rasterise.hpp"
+#include "host/surfaces/distance_map.hpp"
 #include "solver/base/error.hpp"
 #include "solver/linear/direct.hpp"
 #include "tests/fixtures/meshes.hpp"
@@ -134,8 +136,9 @@ std::vector<Vec3> deformed_nodes(const RecoveryModel& recovery, double depth_mm)
 }
 
 /// What an image would show: the hollow organ above the tissue.
-std::vector<DistanceMap> maps_of(const Mesh& mesh, const std::vector<Vec3>& nodes,
-                                 double voxel_mm) {
+std::vector<std::shared_ptr<const TargetShape>> shapes_of(const Mesh& mesh,
+                                                          const std::vector<Vec3>& nodes,
+                                                          double voxel_mm) {
     ImageGrid grid;
     grid.spacing = Vec3::Constant(voxel_mm);
     grid.origin = Vec3::Constant(0.5 * voxel_mm);
@@ -147,14 +150,15 @@ std::vector<DistanceMap> maps_of(const Mesh& mesh, const std::vector<Vec3>& node
         if (tets[k] >= 0) image.voxels[k] = static_cast<std::uint8_t>(mesh.region[tets[k]]);
     }
     const LabelField field(image, num_regions);
-    return {DistanceMap(field, ball_region), DistanceMap(field, wall_region)};
+    return {std::make_shared<DistanceMap>(field, ball_region),
+            std::make_shared<DistanceMap>(field, wall_region)};
 }
 
 SurfaceObservations observations_of(const RecoveryModel& recovery,
                                     const std::vector<Vec3>& target_nodes, double voxel_mm = 1.0) {
     const Mesh& mesh = recovery.model.mesh;
     return SurfaceObservations(
-        recovery, {maps_of(mesh, mesh.nodes, voxel_mm), maps_of(mesh, target_nodes, voxel_mm)},
+        recovery, {shapes_of(mesh, mesh.nodes, voxel_mm), shapes_of(mesh, target_nodes, voxel_mm)},
         std::vector<std::uint8_t>(mesh.nodes.size(), 1), {});
 }
 

@@ -91,16 +91,16 @@ struct Chain {
 TEST(ColumnBasis, LeavesOutNoMoreThanTheTolerance) {
     std::mt19937 random{3};
     std::normal_distribution<double> normal;
-    Eigen::MatrixXd matrix =
-        Eigen::MatrixXd::NullaryExpr(30, 20, [&] { return normal(random); });
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::NullaryExpr(30, 20, [&] { return normal(random); });
     for (Index c = 0; c < 20; ++c) matrix.col(c) *= std::pow(0.4, c);
 
     const Eigen::MatrixXd basis = orthonormal_columns(matrix, 1e-3);
 
     EXPECT_LT(basis.cols(), 12);
     EXPECT_LT((matrix - basis * (basis.transpose() * matrix)).norm(), 1.001e-3);
-    EXPECT_LT((basis.transpose() * basis -
-               Eigen::MatrixXd::Identity(basis.cols(), basis.cols())).norm(), 1e-10);
+    EXPECT_LT(
+        (basis.transpose() * basis - Eigen::MatrixXd::Identity(basis.cols(), basis.cols())).norm(),
+        1e-10);
 }
 
 TEST(WallPrior, CovarianceIsTheInverseOfThePrecision) {
@@ -139,7 +139,8 @@ TEST(WallPosterior, IsTheGaussianGivenTheWallsOwnRows) {
     const WallPosterior posterior(chain.walls, rows, driven);
 
     EXPECT_LT((posterior.mean() - mean).norm(), 1e-8 * mean.norm());
-    EXPECT_LT((posterior.covariance_of(prior, prior) - covariance).norm(), 1e-8 * covariance.norm());
+    EXPECT_LT((posterior.covariance_of(prior, prior) - covariance).norm(),
+              1e-8 * covariance.norm());
     EXPECT_LT((posterior.conditioned(prior * driven) - covariance * driven).norm(),
               1e-8 * driven.norm());
 }

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/surfaces/surface_shape.hpp"
+
+#include <map>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+/// Normals of the vertices, triangles weighted by their area.
+std::vector<Vec3> normals_of(const Surface& surface) {
+    std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
+    for (const Triangle& t : surface.triangles) {
+        const Vec3& a = surface.vertices[t[0]];
+        const Vec3 normal = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
+        for (const Index corner : t) normals[corner] += normal;
+    }
+    for (Vec3& normal : normals) normal.normalize();
+    return normals;
+}
+
+/// Edges of one triangle only.
+std::vector<std::array<bool, 3>> rim_edges(const Surface& surface) {
+    std::map<std::pair<Index, Index>, int> uses;
+    const auto edge = [](const Triangle& t, int opposite) {
+        return std::minmax(t[(opposite + 1) % 3], t[(opposite + 2) % 3]);
+    };
+    for (const Triangle& t : surface.triangles) {
+        for (int c = 0; c < 3; ++c) ++uses[edge(t, c)];
+    }
+    std::vector<std::array<bool, 3>> rim;
+    for (const Triangle& t : surface.triangles) {
+        rim.push_back({uses[edge(t, 0)] == 1, uses[edge(t, 1)] == 1, uses[edge(t, 2)] == 1});
+    }
+    return rim;
+}
+
+}  // namespace
+
+SurfaceShape::SurfaceShape(Surface surface)
+    : surface_(std::move(surface)),
+      query_(surface_),
+      vertex_normals_(normals_of(surface_)),
+      is_rim_(rim_edges(surface_)) {}
+
+/// Barycentric coordinates of a point of the triangle's plane.
+Vec3 SurfaceShape::weights(const Vec3& point, const Triangle& corners) const {
+    const Vec3& a = surface_.vertices[corners[0]];
+    const Vec3 u = surface_.vertices[corners[1]] - a, v = surface_.vertices[corners[2]] - a;
+    const Vec3 w = point - a, normal = u.cross(v);
+    const double scale = 1.0 / normal.squaredNorm();
+    const double second = w.cross(v).dot(normal) * scale;
+    const double third = u.cross(w).dot(normal) * scale;
+    return {1.0 - second - third, second, third};
+}
+
+bool SurfaceShape::on_rim(Index triangle, const Vec3& weights) const {
+    for (int c = 0; c < 3; ++c) {
+        if (is_rim_[triangle][c] && weights[c] < 1e-6) return true;
+    }
+    return false;
+}
+
+ShapeDistance SurfaceShape::measure(const Vec3& point, const Vec3&) const {
+    const ClosestPoint closest = query_.closest(point);
+    const Triangle& corners = surface_.triangles[closest.triangle];
+    const Vec3 weight = weights(closest.point, corners);
+    Vec3 normal = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) normal += weight[c] * vertex_normals_[corners[c]];
+    normal.normalize();
+    return {normal.dot(point - closest.point), normal, !on_rim(closest.triangle, weight)};
+}
+
+}  // namespace palpate
