@@ -16,9 +16,9 @@
 namespace palpate {
 namespace {
 
-constexpr int noise_iterations = 6;  // sigma_n is held from here on, so that the steps can settle
 constexpr int remembered_steps = 8;
 constexpr int needed_quiet_steps = 3;
+constexpr int tolerated_stalls = 8;
 constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven component, in Anderson
 
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.
@@ -67,6 +67,7 @@ private:
                       double& length) const;
     State accelerated_step(const State& from, const ModulusMinimum& best,
                            AndersonAcceleration& acceleration, bool& improved) const;
+    State blind_step(const State& from, const ModulusMinimum& best) const;
     bool update_noise(const ModulusMinimum& best);
     void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
@@ -173,6 +174,12 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
     return next;
 }
 
+/// Half the Gauss-Newton step, whatever the objective says: where closest points jump between the
+/// facets of a target, the objective has kinks at which no line search goes down.
+State Search::blind_step(const State& from, const ModulusMinimum& best) const {
+    return state_at(0.5 * (from.driven + best.evaluation.driven), 0.5 * (from.theta + best.theta));
+}
+
 /// sigma_n^2 such that the observed residual has the size that its own model predicts:
 /// E[r^T R^-1 r] = trace(R C^-1) for r = R C^-1 e. Returns whether it changed by more than 2 %.
 bool Search::update_noise(const ModulusMinimum& best) {
@@ -180,7 +187,7 @@ bool Search::update_noise(const ModulusMinimum& best) {
     const double factor = std::clamp(
         std::sqrt(best.evaluation.weighted_misfit / best.evaluation.effective_rows), 0.5, 2.0);
     if (std::abs(factor - 1.0) < 0.02) return false;
-    noise_.set_scale(std::clamp(noise_.scale() * factor, 0.3, 20.0));
+    noise_.set_scale(std::clamp(noise_.scale() * factor, options_.smallest_noise_scale, 20.0));
     return true;
 }
 
@@ -203,14 +210,16 @@ void Search::record(int iteration, const State& state, const ModulusMinimum& bes
 
 MapEstimate Search::run() {
     Eigen::VectorXd theta(priors_.size());
-    for (std::size_t k = 0; k < priors_.size(); ++k) theta[k] = priors_[k].mean_ln;
+    for (std::size_t k = 0; k < priors_.size(); ++k) {
+        theta[k] = options_.start_kpa > 0 ? std::log(options_.start_kpa) : priors_[k].mean_ln;
+    }
     State state = settle_walls(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta));
 
     Termination termination{
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
     Eigen::MatrixXd hessian;
-    int quiet_steps = 0;
+    int quiet_steps = 0, stalls = 0;
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
@@ -224,7 +233,7 @@ MapEstimate Search::run() {
         state = accelerated_step(state, best, acceleration, improved);
         record(k, state, best, moved);
         termination.iterations = k;
-        const bool noise_changed = k < noise_iterations && update_noise(best);
+        const bool noise_changed = k < options_.noise_iterations && update_noise(best);
         if (noise_changed) {
             acceleration.reset();
             state = state_at(state.driven, state.theta);
@@ -247,10 +256,11 @@ MapEstimate Search::run() {
                 options_.objective_tolerance_per_row);
             break;
         }
-        if (!improved) {
-            termination.reason = "the line search found no lower point";
+        if (!improved && ++stalls > tolerated_stalls) {
+            termination.reason = "the line search found no lower point, several times over";
             break;
         }
+        if (!improved) state = blind_step(state, best);
     }
     return finish(state, termination);
 }

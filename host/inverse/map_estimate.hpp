@@ -21,7 +21,10 @@ struct MapOptions {
     double modulus_tolerance_sd = 0.1;
     double objective_tolerance_per_row = 1e-3;
     double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
-    bool estimate_noise = true;  ///< scale sigma_n to what the observed surface shows
+    double start_kpa = 0;                          ///< of all unknown moduli; 0: the prior's median
+    bool estimate_noise = true;         ///< scale sigma_n to what the observed surface shows
+    double smallest_noise_scale = 0.3;  ///< lower for surfaces without voxels
+    int noise_iterations = 6;  ///< sigma_n is held from here on, so that the steps can settle
 };
 
 struct MapEstimate {

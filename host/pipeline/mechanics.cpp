@@ -32,8 +32,8 @@ std::vector<double> moduli_of(const Model& model) {
 }  // namespace
 
 Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
-                         const LinearSolverOptions& solver, StageTimer& timer,
-                         const ProgressSink& progress) {
+                         const LinearSolverOptions& solver, const MechanicsOptions& options,
+                         StageTimer& timer, const ProgressSink& progress) {
     timer.start("condensing");
     RecoveryModel recovery = build_model(mesh, settings);
     CondensationSummary condensation;
@@ -48,7 +48,7 @@ Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
     auto priors = modulus_priors(recovery, reduced, settings);
     std::vector<Index> unknown;
     for (const auto& prior : priors) unknown.push_back(prior.region);
-    ResponseModel response = ResponseModel::compressed(reduced, walls, unknown, {});
+    ResponseModel response = ResponseModel::compressed(reduced, walls, unknown, options.response);
     report_progress(
         progress, "compressing", 1,
         fmt::format("{} wall motions, {} surface modes, {:.2g} mm left out",

@@ -23,10 +23,14 @@ struct Mechanics {
     CondensationSummary condensation;
 };
 
+struct MechanicsOptions {
+    ResponseOptions response;
+};
+
 /// From a mesh in memory to a model that answers for any modulus: node sets, condensation, response
 /// model. Throws what `build_model` and `condense` throw.
 Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
-                         const LinearSolverOptions& solver, StageTimer& timer,
-                         const ProgressSink& progress = {});
+                         const LinearSolverOptions& solver, const MechanicsOptions& options,
+                         StageTimer& timer, const ProgressSink& progress = {});
 
 }  // namespace palpate

@@ -131,7 +131,8 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
 PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, MesherSummary mesher,
                                std::vector<DistanceMap> maps, const RecoverOptions& options,
                                StageTimer& timer, const ProgressSink& progress) {
-    Mechanics mechanics = make_mechanics(mesh, options.settings, options.solver, timer, progress);
+    Mechanics mechanics =
+        make_mechanics(mesh, options.settings, options.solver, options.mechanics, timer, progress);
     return {std::move(reference), std::move(mesh), std::move(mesher), std::move(maps),
             std::move(mechanics)};
 }

@@ -13,6 +13,7 @@
 #include "host/meshing/mesher.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/settings.hpp"
+#include "host/pipeline/mechanics.hpp"
 #include "host/result/recovery_result.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -32,6 +33,7 @@ struct RecoverOptions {
     std::filesystem::path
         initial_transform;  ///< rigid ITK transform, reference to target, or empty
     LinearSolverOptions solver;
+    MechanicsOptions mechanics;
     SearchMethod method = SearchMethod::map;
     MapOptions search;
     NestedOptions nested;  ///< for `nested_lbfgs`

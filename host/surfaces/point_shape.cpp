@@ -49,8 +49,7 @@ struct PointShape::Tree {
     }
 };
 
-PointShape::PointShape(std::vector<Vec3> points)
-    : points_(std::move(points)) {
+PointShape::PointShape(std::vector<Vec3> points) : points_(std::move(points)) {
     if (points_.size() < plane_points) {
         throw Error(ErrorCode::input_unusable,
                     "a point cloud has " + std::to_string(points_.size()) +
@@ -81,8 +80,7 @@ ShapeDistance PointShape::measure(const Vec3& point, const Vec3& facing) const {
     double beside = std::numeric_limits<double>::max();
     for (const Vec3& x : near) beside = std::min(beside, (x - foot).norm());
     const double spread = std::sqrt(scatter.trace() / plane_points);
-    return {distance, normal,
-            beside < reach * spacing_mm_ && (foot - centre).norm() < spread};
+    return {distance, normal, beside < reach * spacing_mm_ && (foot - centre).norm() < spread};
 }
 
 }  // namespace palpate

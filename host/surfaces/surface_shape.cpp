@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/surfaces/surface_shape.hpp"
 
+#include <Eigen/Geometry>
 #include <map>
 #include <utility>
 

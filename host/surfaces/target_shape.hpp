@@ -8,9 +8,9 @@ namespace palpate {
 
 /// Where a surface point is from a shape that it should come to lie on.
 struct ShapeDistance {
-    double mm = 0;                ///< along the shape's normal, negative inside
-    Vec3 normal = Vec3::Zero();   ///< gradient of `mm`
-    bool is_seen = true;          ///< false: the shape says nothing about this point
+    double mm = 0;               ///< along the shape's normal, negative inside
+    Vec3 normal = Vec3::Zero();  ///< gradient of `mm`
+    bool is_seen = true;         ///< false: the shape says nothing about this point
 };
 
 /// What the surface of an organ is measured against: the zero level of a distance map, a triangle
