@@ -58,6 +58,19 @@ void add_phantom(CLI::App& app, Run& run) {
     pelvis->add_option("--poisson-ratio", options.poisson_ratio, "Of the prostate")
         ->check(CLI::Range(0.0, 0.49))
         ->capture_default_str();
+    pelvis
+        ->add_option("--tangential", options.tangential_factor,
+                     "Factor on the walls' motion along themselves")
+        ->check(CLI::Range(0.0, 10.0))
+        ->capture_default_str();
+    pelvis
+        ->add_option("--tumour-fraction", options.tumour_fraction,
+                     "Part of the prostate's volume that is tumour; it has no label")
+        ->check(CLI::Range(0.0, 0.95))
+        ->capture_default_str();
+    pelvis->add_option("--tumour-kpa", options.tumour_stiffness_kpa, "Of the tumour")
+        ->check(CLI::Range(1.0, 10000.0))
+        ->capture_default_str();
     pelvis->add_option("--spacing", arguments->spacing, "Voxel size in mm, three numbers")
         ->expected(3)
         ->check(CLI::Range(0.2, 10.0))

@@ -10,6 +10,7 @@
 
 #include "host/phantom/anatomy.hpp"
 #include "host/phantom/deform.hpp"
+#include "host/phantom/tumour.hpp"
 #include "host/phantom/voxelise.hpp"
 #include "host/phantom/wall_motion.hpp"
 #include "host/surfaces/extract.hpp"
@@ -37,6 +38,9 @@ void check_options(const PelvisOptions& options) {
     check_range("poisson_ratio", options.poisson_ratio, 0, 0.495);
     check_range("background_poisson_ratio", options.background_poisson_ratio, 0, 0.495);
     check_range("num_nodes", options.num_nodes, 1000, 2000000);
+    check_range("tangential_factor", options.tangential_factor, 0, 10);
+    check_range("tumour_fraction", options.tumour_fraction, 0, 0.95);
+    check_range("tumour_stiffness_kpa", options.tumour_stiffness_kpa, 1, 10000);
     for (int axis = 0; axis < 3; ++axis) check_range("spacing", options.spacing[axis], 0.3, 8);
 }
 
@@ -55,13 +59,22 @@ Settings make_settings(const PelvisOptions& options) {
     return settings;
 }
 
-/// By region number; hollow regions hold no tets, their entries are never used.
+/// By region number, the tumour's last; hollow regions hold no tets, their entries are never used.
 std::vector<LinearElastic> make_materials(const PelvisOptions& options, Index num_regions) {
-    std::vector<LinearElastic> materials(num_regions);
+    std::vector<LinearElastic> materials(num_regions + 1);
     materials[background_region] = {options.background_stiffness_kpa,
                                     options.background_poisson_ratio};
     materials[prostate_region] = {options.stiffness_kpa, options.poisson_ratio};
+    materials.back() = {options.tumour_stiffness_kpa, options.poisson_ratio};
     return materials;
+}
+
+/// The mesh with the tumour as a region of its own, number `tumour_region`.
+RegionMesh with_tumour(RegionMesh mesh, const PelvisAnatomy& anatomy, const PelvisOptions& options,
+                       Index tumour_region) {
+    mark_ball(mesh.mesh, prostate_region, tumour_region,
+              tumour_centre(anatomy.organs[prostate], options.seed), options.tumour_fraction);
+    return mesh;
 }
 
 RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions& options,
@@ -172,9 +185,7 @@ void describe_prostate(const PelvisPhantom& phantom, PelvisTruth& truth) {
 }
 
 void describe_walls(const PelvisPhantom& phantom, const std::vector<WallMotion>& motions,
-                    const std::vector<LinearElastic>& materials, PelvisTruth& truth) {
-    const std::vector<Vec3> forces =
-        nodal_forces(phantom.mesh.mesh, materials, phantom.displacement);
+                    const std::vector<Vec3>& forces, PelvisTruth& truth) {
     for (const WallMotion& motion : motions) {
         WallTruth wall{phantom.settings.organs[motion.organ()].name,
                        motion.expansion_mm(),
@@ -198,8 +209,10 @@ WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOption
     const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing);
     MesherSummary summary;
     const RegionMesh mesh = make_reference_mesh(anatomy, options, mesher, summary, progress);
-    return make_wall_problem(mesh, make_materials(options, make_settings(options).num_regions()),
-                             make_wall_motions(anatomy, options.seed));
+    const Index num_regions = make_settings(options).num_regions();
+    return make_wall_problem(with_tumour(mesh, anatomy, options, num_regions),
+                             make_materials(options, num_regions),
+                             make_wall_motions(anatomy, options.seed, options.tangential_factor));
 }
 
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
@@ -211,8 +224,11 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
     const auto materials = make_materials(options, phantom.settings.num_regions());
 
     phantom.mesh = make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
-    const std::vector<WallMotion> motions = make_wall_motions(anatomy, options.seed);
-    Deformation deformation = deform_by_walls(phantom.mesh, materials, motions, solver, progress);
+    const std::vector<WallMotion> motions =
+        make_wall_motions(anatomy, options.seed, options.tangential_factor);
+    const RegionMesh loaded =
+        with_tumour(phantom.mesh, anatomy, options, phantom.settings.num_regions());
+    Deformation deformation = deform_by_walls(loaded, materials, motions, solver, progress);
     phantom.displacement = std::move(deformation.displacement);
 
     report_progress(progress, "voxelising", 0);
@@ -233,7 +249,8 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
         truth.peak_displacement_mm = std::max(truth.peak_displacement_mm, u.norm());
     }
     describe_prostate(phantom, truth);
-    describe_walls(phantom, motions, materials, truth);
+    describe_walls(phantom, motions, nodal_forces(loaded.mesh, materials, phantom.displacement),
+                   truth);
     report_progress(progress, "voxelising", 1);
     return phantom;
 }

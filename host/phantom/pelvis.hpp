@@ -20,8 +20,11 @@ struct PelvisOptions {
     double poisson_ratio = 0.40;  ///< of the prostate
     double background_stiffness_kpa = 10;
     double background_poisson_ratio = 0.35;
-    Vec3 spacing{1, 1, 1};    ///< mm, of the label volumes written
-    Index num_nodes = 30000;  ///< of the mesh that the truth is solved on
+    Vec3 spacing{1, 1, 1};         ///< mm, of the label volumes written
+    Index num_nodes = 30000;       ///< of the mesh that the truth is solved on
+    double tangential_factor = 1;  ///< on the walls' motion along themselves
+    double tumour_fraction = 0;    ///< of the prostate's volume that is tumour, 0..0.95; no label
+    double tumour_stiffness_kpa = 100;
 };
 
 /// What was asked of one wall, and the force that it took.
@@ -61,6 +64,7 @@ struct PelvisPhantom {
 /// Steps: random implicit shapes, a fine label volume of them, surfaces, a mesh, prescribed motion
 /// of the bladder and rectum walls (filling, emptying, a push towards the prostate, a small
 /// tangential part), linear elasticity, and voxels from the undeformed and the deformed mesh.
+/// A tumour is part of the prostate in labels and mesh; only the truth is solved with it.
 /// `solver`, `mesher` give the means; size and edge lengths of the mesh come from `options`.
 /// Throws Error(invalid_argument) for an option out of range, and what meshing and solving throw.
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,

@@ -44,6 +44,10 @@ Json regions_to_json(const PelvisPhantom& phantom, const PelvisOptions& options)
         if (organ.role == Role::tissue) {
             region["stiffness_kpa"] = options.stiffness_kpa;
             region["poisson_ratio"] = options.poisson_ratio;
+            if (options.tumour_fraction > 0) {
+                region["tumour"] = {{"fraction", options.tumour_fraction},
+                                    {"stiffness_kpa", options.tumour_stiffness_kpa}};
+            }
         } else {
             region["hollow"] = true;
         }

@@ -44,13 +44,17 @@ Vec3 WallMotion::displacement(const Vec3& x) const {
     return normal_part(x, n) * n + shift_mm_ + (t - t.dot(n) * n);
 }
 
-std::vector<WallMotion> make_wall_motions(const PelvisAnatomy& anatomy, unsigned seed) {
+std::vector<WallMotion> make_wall_motions(const PelvisAnatomy& anatomy, unsigned seed,
+                                          double tangential_factor) {
     RandomNumbers random(0x6c6f6164ull * 1000003ull + seed);
     std::vector<WallMotion> motions{WallMotion(anatomy, bladder, random),
                                     WallMotion(anatomy, rectum, random)};
     // What one organ does moves the whole neighbourhood: both walls share the sum of the shifts.
     const Vec3 common = motions[0].shift_mm() + motions[1].shift_mm();
-    for (WallMotion& motion : motions) motion.set_shift(common);
+    for (WallMotion& motion : motions) {
+        motion.set_shift(common);
+        motion.scale_tangential(tangential_factor);
+    }
     return motions;
 }
 

@@ -27,6 +27,7 @@ public:
     double tangential_mm() const { return tangential_mm_; }
     const Vec3& shift_mm() const { return shift_mm_; }
     void set_shift(const Vec3& shift_mm) { shift_mm_ = shift_mm; }
+    void scale_tangential(double factor) { tangential_mm_ *= factor; }
 
 private:
     double normal_part(const Vec3& x, const Vec3& normal) const;
@@ -40,7 +41,9 @@ private:
     std::array<SmoothField, 3> tangential_;
 };
 
-/// The motions of bladder and rectum that belong to a seed.
-std::vector<WallMotion> make_wall_motions(const PelvisAnatomy& anatomy, unsigned seed);
+/// The motions of bladder and rectum that belong to a seed, their tangential parts multiplied by
+/// `tangential_factor`.
+std::vector<WallMotion> make_wall_motions(const PelvisAnatomy& anatomy, unsigned seed,
+                                          double tangential_factor = 1);
 
 }  // namespace palpate

@@ -78,6 +78,25 @@ TEST_P(AnatomyOfSeed, MovesTheWallsByMillimetresMostOfItAlongTheNormal) {
     }
 }
 
+TEST_P(AnatomyOfSeed, ScalesOnlyTheMotionAlongTheWalls) {
+    const PelvisAnatomy anatomy = make_anatomy(GetParam(), Vec3::Ones());
+    const auto once = make_wall_motions(anatomy, GetParam());
+    const auto thrice = make_wall_motions(anatomy, GetParam(), 3);
+
+    for (std::size_t wall = 0; wall < once.size(); ++wall) {
+        const OrganShape& shape = anatomy.organs[once[wall].organ()];
+        EXPECT_DOUBLE_EQ(thrice[wall].tangential_mm(), 3 * once[wall].tangential_mm());
+        double largest = 0;
+        for (const Vec3& point : surface_points(shape, 50)) {
+            const Vec3 x = shape.centre + point;
+            const Vec3 more = thrice[wall].displacement(x) - once[wall].displacement(x);
+            EXPECT_NEAR(more.dot(shape.smooth_normal(x)), 0, 1e-9);
+            largest = std::max(largest, more.norm());
+        }
+        EXPECT_GT(largest, 0.2);
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, AnatomyOfSeed, testing::Range(1u, 11u));
 
 TEST(Anatomy, IsTheSameForTheSameSeedAndAnotherForAnother) {
