@@ -99,6 +99,41 @@ void Plot::curve(const std::vector<double>& x, const std::vector<double>& y,
     if (with_marks) over_ += marks;
 }
 
+void Plot::points(const std::vector<double>& x, const std::vector<double>& y,
+                  const std::string& colour, bool hollow) {
+    for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
+        if (!drawable(x_, x[i]) || !drawable(y_, y[i])) continue;
+        over_ += fmt::format("<circle class='{}' cx='{:.1f}' cy='{:.1f}' r='{}' style='{}:{}'/>",
+                             hollow ? "ring" : "mark", x_of(x[i]), y_of(y[i]), hollow ? 4.5 : 4.2,
+                             hollow ? "stroke" : "fill", colour);
+    }
+}
+
+void Plot::bars(const std::vector<double>& x, const std::vector<double>& low,
+                const std::vector<double>& high, const std::string& colour) {
+    for (std::size_t i = 0; i < std::min({x.size(), low.size(), high.size()}); ++i) {
+        if (!drawable(x_, x[i]) || !drawable(y_, low[i]) || !drawable(y_, high[i])) continue;
+        over_ += fmt::format(
+            "<path class='bar' d='M{0:.1f} {1:.1f}V{2:.1f}M{3:.1f} {1:.1f}h6M{3:.1f} {2:.1f}h6' "
+            "style='stroke:{4}'/>",
+            x_of(x[i]), y_of(low[i]), y_of(high[i]), x_of(x[i]) - 3, colour);
+    }
+}
+
+void Plot::guide(const std::vector<double>& x, const std::vector<double>& y,
+                 const std::string& text) {
+    std::string path;
+    for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
+        if (!drawable(x_, x[i]) || !drawable(y_, y[i])) continue;
+        path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x_of(x[i]), y_of(y[i]));
+    }
+    if (path.empty()) return;
+    under_ += fmt::format("<path class='rule' d='{}'/>", path);
+    if (text.empty()) return;
+    labels_ += fmt::format("<text class='note' x='{:.1f}' y='{:.1f}' text-anchor='end'>{}</text>",
+                           x_of(x.back()) - 6, y_of(y.back()) + 12, escape_html(text));
+}
+
 void Plot::band(double x_low, double x_high, const std::string& colour) {
     if (!drawable(x_, x_low) || !drawable(x_, x_high)) return;
     under_ += fmt::format(

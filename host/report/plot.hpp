@@ -25,6 +25,14 @@ public:
     /// Points that are not finite (or not positive on a log axis) break the line.
     void curve(const std::vector<double>& x, const std::vector<double>& y,
                const std::string& colour, bool with_marks);
+    /// Marks without a line; `hollow` ones have the colour as outline.
+    void points(const std::vector<double>& x, const std::vector<double>& y,
+                const std::string& colour, bool hollow);
+    /// Error bars from `low` to `high` at each x; what lies outside the axis is cut off.
+    void bars(const std::vector<double>& x, const std::vector<double>& low,
+              const std::vector<double>& high, const std::string& colour);
+    /// A dashed line through points, such as that of equality; `text` stands at its last point.
+    void guide(const std::vector<double>& x, const std::vector<double>& y, const std::string& text);
     void band(double x_low, double x_high, const std::string& colour);
     void horizontal_rule(double y, const std::string& text);
     void vertical_rule(double x, const std::string& text, const std::string& colour);

@@ -27,6 +27,23 @@ TEST(Plot, PutsPointsWhereTheAxesSayAndSkipsWhatCannotBeDrawn) {
     EXPECT_NE(plot.svg("t").find("d='M58.0 120.0L108.0 70.0'"), std::string::npos) << plot.svg("t");
 }
 
+TEST(Plot, DrawsMarksBarsAndGuidesWhereTheAxesSay) {
+    Plot plot("p", 172, 164, {1, 100, true, "x"}, {0, 10, false, "y"});
+
+    plot.points({10, 0}, {5, 5}, "red", false);
+    plot.points({10}, {10}, "red", true);
+    plot.bars({10, 10}, {2, NAN}, {8, 9}, "blue");
+    plot.guide({1, 100}, {0, 10}, "equal <");
+
+    const std::string svg = plot.svg("t");
+    EXPECT_NE(svg.find("<circle class='mark' cx='108.0' cy='70.0'"), std::string::npos) << svg;
+    EXPECT_NE(svg.find("<circle class='ring' cx='108.0' cy='20.0'"), std::string::npos) << svg;
+    EXPECT_NE(svg.find("d='M108.0 100.0V40.0"), std::string::npos) << svg;
+    EXPECT_NE(svg.find("d='M58.0 120.0L158.0 20.0'"), std::string::npos) << svg;
+    EXPECT_NE(svg.find("equal &lt;"), std::string::npos) << svg;
+    EXPECT_EQ(svg.find("nan"), std::string::npos) << svg;
+}
+
 TEST(ReportPlots, DrawOneProfileForEachUnknownModulus) {
     const std::string figures = profile_figures(synthetic_result());
 
