@@ -38,7 +38,8 @@ ALLOWED = {
                        "host/meshing/dihedral"],
     "host/phantom": SOLVER + STATIONS[:4],
     "host/pipeline": SOLVER + STATIONS + ["host/phantom"],
-    "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
+    "host/study": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
+    "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study"],
 }
 for position, station in enumerate(STATIONS):
     ALLOWED[station] = SOLVER + STATIONS[:position]

@@ -13,6 +13,8 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 
+find_package(Boost 1.74 REQUIRED)    # headers: distributions of Boost.Math
+
 find_package(ITK REQUIRED COMPONENTS
   ITKCommon ITKTransform ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase
   ITKIOTransformHDF5 ITKIOTransformInsightLegacy)

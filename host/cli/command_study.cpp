@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <atomic>
+#include <csignal>
+#include <memory>
+#include <vector>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/options.hpp"
+#include "host/study/run_study.hpp"
+#include "host/study/studies.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+struct StudyArguments {
+    StudyOptions study;
+    std::vector<double> spacing{1, 1, 1};
+    StudyRunOptions run;
+    std::string out;
+    SolverArguments solver;
+    MesherArguments mesher;
+    bool quiet = false;
+};
+
+std::atomic<bool> was_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+/// The first Ctrl-C ends the study in good order, the second one the program.
+void stop_on_interrupt() {
+    std::signal(SIGINT, [](int) {
+        was_interrupted = true;
+        std::signal(SIGINT, SIG_DFL);
+    });
+}
+
+void print_summary(const Study& study, const StudyRun& run, const std::string& folder) {
+    end_progress_line();
+    if (!run.rows.empty()) fmt::print("{}", study.report(run.rows).text);
+    for (const auto& [id, message] : run.failures) fmt::print("{} failed: {}\n", id, message);
+    if (run.is_cancelled)
+        fmt::print("stopped after {} of {} cases; the same command goes on\n", run.rows.size(),
+                   run.num_cases);
+    fmt::print("page: {}/study.html\n", folder);
+}
+
+int run_one(const StudyEntry& entry, StudyArguments arguments) {
+    StudyOptions& options = arguments.study;
+    if (options.phantoms == 0) options.phantoms = entry.phantoms;
+    options.spacing = Vec3(arguments.spacing[0], arguments.spacing[1], arguments.spacing[2]);
+    options.mesher = mesher_options(arguments.mesher);
+    options.solver = solver_options(arguments.solver);
+    arguments.run.folder = arguments.out;
+    arguments.run.is_cancelled = [] { return was_interrupted.load(); };
+    stop_on_interrupt();
+
+    const Study study = entry.make(options);
+    const StudyRun run = run_study(study, arguments.run, console_progress(arguments.quiet));
+    write_study_page(study, run, arguments.run.folder);
+    print_summary(study, run, arguments.out);
+    if (run.is_cancelled) return 128 + SIGINT;
+    return run.failures.empty() ? 0 : exit_code_not_converged;
+}
+
+void add_one(CLI::App& parent, const StudyEntry& entry, Run& run) {
+    auto arguments = std::make_shared<StudyArguments>();
+    auto& options = arguments->study;
+    CLI::App* command = parent.add_subcommand(entry.name, entry.about);
+    command
+        ->add_option("--out", arguments->out,
+                     "Folder; one that holds rows of the same study is continued")
+        ->required();
+    command->add_flag("--overwrite", arguments->run.overwrite, "Begin again");
+    command->add_option("--first-seed", options.first_seed, "Of the phantoms")
+        ->capture_default_str();
+    command
+        ->add_option("--phantoms", options.phantoms,
+                     fmt::format("How many anatomies (default {})", entry.phantoms))
+        ->check(CLI::Range(1, 100000));
+    command->add_option("--jobs", arguments->run.jobs, "Cases that run at the same time")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
+    command->add_option("--spacing", arguments->spacing, "Voxel size in mm, three numbers")
+        ->expected(3)
+        ->check(CLI::Range(0.3, 8.0))
+        ->capture_default_str();
+    command
+        ->add_option(
+            "--tangential", options.tangential,
+            "Factor on the walls' motion along themselves, of which the prior knows nothing")
+        ->check(CLI::Range(0.0, 10.0))
+        ->capture_default_str();
+    command->add_option("--phantom-nodes", options.phantom_nodes, "Of the meshes of the truths")
+        ->check(CLI::Range(1000, 2000000))
+        ->capture_default_str();
+    command->add_flag("--quiet", arguments->quiet, "No progress");
+    add_mesher_options(*command, arguments->mesher);
+    add_solver_options(*command, arguments->solver);
+    command->callback(
+        [arguments, &entry, &run] { run = [=, &entry] { return run_one(entry, *arguments); }; });
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, Run& run) {
+    CLI::App* command = app.add_subcommand(
+        "study", "Recover many phantoms with known answers and judge the errors");
+    command->require_subcommand(1);
+    for (const StudyEntry& entry : study_registry()) add_one(*command, entry, run);
+}
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/meshing/mesher.hpp"
+#include "host/study/study.hpp"
+#include "solver/linear/linear_solver.hpp"
+
+namespace palpate {
+
+/// What a user can choose of a study.
+struct StudyOptions {
+    unsigned first_seed = 1;
+    int phantoms = 0;             ///< anatomies; 0: as many as the study was made for
+    Index phantom_nodes = 30000;  ///< of the meshes that truths are solved on
+    Vec3 spacing{1, 1, 1};        ///< mm, of the label volumes
+    double tangential = 1;        ///< factor on the walls' motion along themselves
+    MesherOptions mesher;         ///< of the recovery; `num_nodes` is its mesh size
+    LinearSolverOptions solver;
+};
+
+struct StudyEntry {
+    std::string name;
+    std::string about;  ///< one line for --help
+    int phantoms = 1;   ///< default of `StudyOptions::phantoms`
+    Study (*make)(const StudyOptions& options);
+};
+
+/// All studies; `make` gets options with a positive number of phantoms.
+const std::vector<StudyEntry>& study_registry();
+
+Study make_coverage_study(const StudyOptions& options);
+Study make_recovery_study(const StudyOptions& options);
+Study make_surroundings_study(const StudyOptions& options);
+Study make_poisson_study(const StudyOptions& options);
+Study make_tumour_study(const StudyOptions& options);
+Study make_parameter_scan(const StudyOptions& options);
+Study make_sensitivity_study(const StudyOptions& options);
+Study make_registration_study(const StudyOptions& options);
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""Studies through the command line, on phantoms that are too coarse to be accurate."""
+import csv
+import json
+
+import pytest
+
+from tests.conftest import run_palpate
+
+SMALL = ["--phantoms", 1, "--phantom-nodes", 4000, "--nodes", 2000, "--spacing", 2, 2, 2, "--quiet"]
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    out = tmp_path_factory.mktemp("study") / "coverage"
+    finished = run_palpate("study", "coverage", "--out", out, *SMALL)
+    assert finished.returncode == 0, finished.stderr
+    return out, finished.stdout
+
+
+def rows_of(folder):
+    with open(folder / "study.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_study_writes_rows_page_summary_and_pictures(study):
+    out, text = study
+    row, = rows_of(out)
+    assert row["case"] == "seed-1" and 40 <= float(row["true_kpa"]) <= 350
+    assert float(row["low_kpa"]) < float(row["found_kpa"]) < float(row["high_kpa"])
+    assert float(row["landmark_mean_mm"]) < 1.5 and row["converged"] == "yes"
+    page = (out / "study.html").read_text()
+    assert "</html>" in page and "<script" not in page and "nan" not in page
+    assert json.loads((out / "study.json").read_text())["summary"]["all: count"] == 1
+    assert (out / "pictures" / "recovered.svg").read_text().startswith("<svg xmlns=")
+    assert "median |error|" in text and "study.html" in text
+
+
+def test_the_same_command_again_computes_nothing(study):
+    out, text = study
+    before = (out / "study.csv").read_bytes()
+    finished = run_palpate("study", "coverage", "--out", out, *SMALL)
+    assert finished.returncode == 0 and finished.stdout == text
+    assert (out / "study.csv").read_bytes() == before
+
+
+def test_other_settings_are_refused_by_name(study):
+    out, _ = study
+    finished = run_palpate("study", "coverage", "--out", out, *SMALL, "--first-seed", 5)
+    assert finished.returncode == 10
+    assert "first seed 1, but 5 was asked for" in finished.stderr and "--overwrite" in finished.stderr
+
+
+def test_an_unknown_study_is_a_usage_error():
+    finished = run_palpate("study", "astrology", "--out", "nowhere")
+    assert finished.returncode == 2
