@@ -8,6 +8,16 @@ const std::vector<StudyEntry>& study_registry() {
     static const std::vector<StudyEntry> entries{
         {"coverage", "Do the 95 % intervals hold the truth? Many phantoms, 40 to 350 kPa", 60,
          make_coverage_study},
+        {"recovery", "Two scenes of 50 to 350 kPa beside published values", 2, make_recovery_study},
+        {"surroundings", "Surrounding tissue that is twice as stiff as assumed", 2,
+         make_surroundings_study},
+        {"poisson", "A Poisson's ratio of the prostate that is not the assumed one", 2,
+         make_poisson_study},
+        {"tumour", "A tumour without label in a part of the prostate", 2, make_tumour_study},
+        {"parameter-scan", "The objective over the stiffness, and the influence of the prior", 1,
+         make_parameter_scan},
+        {"sensitivity", "Two spheres in closed form: what their surface shows of a stiffness", 1,
+         make_sensitivity_study},
     };
     return entries;
 }
