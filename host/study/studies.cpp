@@ -18,6 +18,8 @@ const std::vector<StudyEntry>& study_registry() {
          make_parameter_scan},
         {"sensitivity", "Two spheres in closed form: what their surface shows of a stiffness", 1,
          make_sensitivity_study},
+        {"registration", "Landmarks inside the prostate against ITK's demons", 10,
+         make_registration_study},
     };
     return entries;
 }

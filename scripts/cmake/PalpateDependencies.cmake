@@ -17,7 +17,7 @@ find_package(Boost 1.74 REQUIRED)    # headers: distributions of Boost.Math
 
 find_package(ITK REQUIRED COMPONENTS
   ITKCommon ITKTransform ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase
-  ITKIOTransformHDF5 ITKIOTransformInsightLegacy)
+  ITKIOTransformHDF5 ITKIOTransformInsightLegacy ITKPDEDeformableRegistration ITKSmoothing)
 find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel IOXML IOLegacy)
 
 if(PALPATE_WITH_OPENCL)
