@@ -138,7 +138,9 @@ std::string standalone_svg(const std::string& svg) {
 
 void write_study_page(const Study& study, const StudyRun& run,
                       const std::filesystem::path& folder) {
-    const StudyReport report = run.rows.empty() ? StudyReport{} : study.report(run.rows);
+    StudyReport report;
+    report.headline = "No case is done yet";
+    if (!run.rows.empty()) report = study.report(run.rows);
     std::filesystem::create_directories(folder / "pictures");
     for (const StudySection& section : report.sections)
         for (const StudyPicture& picture : section.pictures)

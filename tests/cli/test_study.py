@@ -52,6 +52,15 @@ def test_other_settings_are_refused_by_name(study):
     assert "first seed 1, but 5 was asked for" in finished.stderr and "--overwrite" in finished.stderr
 
 
+def test_the_spheres_are_solved_within_one_percent(tmp_path):
+    out = tmp_path / "spheres"
+    finished = run_palpate("study", "sensitivity", "--out", out, "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    rows = rows_of(out)
+    assert len(rows) == 50
+    assert max(abs(float(row["error_percent"])) for row in rows) < 1
+
+
 def test_an_unknown_study_is_a_usage_error():
     finished = run_palpate("study", "astrology", "--out", "nowhere")
     assert finished.returncode == 2

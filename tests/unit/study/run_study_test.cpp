@@ -175,5 +175,15 @@ TEST_F(RunStudy, WritesPageSummaryAndPictures) {
     EXPECT_EQ(picture.find("<svg xmlns='http://www.w3.org/2000/svg' class='plot'><style>"), 0u);
 }
 
+TEST_F(RunStudy, WritesAPageEvenWithoutRows) {
+    Study study = counting_study();
+    options.is_cancelled = [] { return true; };
+
+    write_study_page(study, run_study(study, options), options.folder);
+
+    EXPECT_NE(content_of(options.folder / "study.html").find("No case is done yet"),
+              std::string::npos);
+}
+
 }  // namespace
 }  // namespace palpate
