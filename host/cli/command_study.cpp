@@ -66,39 +66,47 @@ int run_one(const StudyEntry& entry, StudyArguments arguments) {
     return run.failures.empty() ? 0 : exit_code_not_converged;
 }
 
-void add_one(CLI::App& parent, const StudyEntry& entry, Run& run) {
-    auto arguments = std::make_shared<StudyArguments>();
-    auto& options = arguments->study;
-    CLI::App* command = parent.add_subcommand(entry.name, entry.about);
+void add_run_options(CLI::App& command, StudyArguments& arguments) {
     command
-        ->add_option("--out", arguments->out,
-                     "Folder; one that holds rows of the same study is continued")
+        .add_option("--out", arguments.out,
+                    "Folder; one that holds rows of the same study is continued")
         ->required();
-    command->add_flag("--overwrite", arguments->run.overwrite, "Begin again");
-    command->add_option("--first-seed", options.first_seed, "Of the phantoms")
-        ->capture_default_str();
-    command
-        ->add_option("--phantoms", options.phantoms,
-                     fmt::format("How many anatomies (default {})", entry.phantoms))
-        ->check(CLI::Range(1, 100000));
-    command->add_option("--jobs", arguments->run.jobs, "Cases that run at the same time")
+    command.add_flag("--overwrite", arguments.run.overwrite, "Begin again");
+    command.add_option("--jobs", arguments.run.jobs, "Cases that run at the same time")
         ->check(CLI::Range(1, 256))
         ->capture_default_str();
-    command->add_option("--spacing", arguments->spacing, "Voxel size in mm, three numbers")
+    command.add_flag("--quiet", arguments.quiet, "No progress");
+}
+
+void add_phantom_options(CLI::App& command, const StudyEntry& entry, StudyArguments& arguments) {
+    StudyOptions& options = arguments.study;
+    command.add_option("--first-seed", options.first_seed, "Of the phantoms")
+        ->capture_default_str();
+    command
+        .add_option("--phantoms", options.phantoms,
+                    fmt::format("How many anatomies (default {})", entry.phantoms))
+        ->check(CLI::Range(1, 100000));
+    command.add_option("--spacing", arguments.spacing, "Voxel size in mm, three numbers")
         ->expected(3)
         ->check(CLI::Range(0.3, 8.0))
         ->capture_default_str();
     command
-        ->add_option(
+        .add_option(
             "--tangential", options.tangential,
             "Factor on the walls' motion along themselves, of which the prior knows nothing")
         ->check(CLI::Range(0.0, 10.0))
         ->capture_default_str();
-    command->add_option("--phantom-nodes", options.phantom_nodes, "Of the meshes of the truths")
+    command.add_option("--phantom-nodes", options.phantom_nodes, "Of the meshes of the truths")
         ->check(CLI::Range(1000, 2000000))
         ->capture_default_str();
-    command->add_flag("--quiet", arguments->quiet, "No progress");
-    add_mesher_options(*command, arguments->mesher);
+    add_mesher_options(command, arguments.mesher);
+}
+
+void add_one(CLI::App& parent, const StudyEntry& entry, Run& run) {
+    auto arguments = std::make_shared<StudyArguments>();
+    CLI::App* command = parent.add_subcommand(entry.name, entry.about);
+    add_run_options(*command, *arguments);
+    if (entry.phantoms > 0) add_phantom_options(*command, entry, *arguments);
     add_solver_options(*command, arguments->solver);
     command->callback(
         [arguments, &entry, &run] { run = [=, &entry] { return run_one(entry, *arguments); }; });

@@ -16,7 +16,7 @@ const std::vector<StudyEntry>& study_registry() {
         {"tumour", "A tumour without label in a part of the prostate", 2, make_tumour_study},
         {"parameter-scan", "The objective over the stiffness, and the influence of the prior", 1,
          make_parameter_scan},
-        {"sensitivity", "Two spheres in closed form: what their surface shows of a stiffness", 1,
+        {"sensitivity", "Two spheres in closed form: what their surface shows of a stiffness", 0,
          make_sensitivity_study},
         {"registration", "Landmarks inside the prostate against ITK's demons", 10,
          make_registration_study},

@@ -25,11 +25,11 @@ struct StudyOptions {
 struct StudyEntry {
     std::string name;
     std::string about;  ///< one line for --help
-    int phantoms = 1;   ///< default of `StudyOptions::phantoms`
+    int phantoms = 1;   ///< default of `StudyOptions::phantoms`; 0: it makes no pelvis phantoms
     Study (*make)(const StudyOptions& options);
 };
 
-/// All studies; `make` gets options with a positive number of phantoms.
+/// All studies; `make` gets options with a number of phantoms.
 const std::vector<StudyEntry>& study_registry();
 
 Study make_coverage_study(const StudyOptions& options);
