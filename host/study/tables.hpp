@@ -16,7 +16,7 @@ struct TextTable {
     std::vector<std::string> header;
     std::vector<std::vector<std::string>> lines;
     /// Titles over the columns after the first, with how many each spans; may be empty.
-    std::vector<std::pair<std::string, std::size_t>> groups;
+    std::vector<std::pair<std::string, std::size_t>> groups{};
 
     std::string html(const std::string& css_class = "narrow") const;
     std::string plain() const;  ///< for a terminal, columns aligned
