@@ -203,6 +203,14 @@ void describe_walls(const PelvisPhantom& phantom, const std::vector<WallMotion>&
 
 }  // namespace
 
+RegionMesh make_pelvis_mesh(const PelvisOptions& options, const MesherOptions& mesher,
+                            const ProgressSink& progress) {
+    check_options(options);
+    MesherSummary summary;
+    return make_reference_mesh(make_anatomy(options.seed, options.spacing), options, mesher,
+                               summary, progress);
+}
+
 WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOptions& mesher,
                                 const ProgressSink& progress) {
     check_options(options);

@@ -70,6 +70,10 @@ struct PelvisPhantom {
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
                           const MesherOptions& mesher, const ProgressSink& progress = {});
 
+/// The undeformed mesh of the same phantom alone.
+RegionMesh make_pelvis_mesh(const PelvisOptions& options, const MesherOptions& mesher,
+                            const ProgressSink& progress = {});
+
 /// The forward problem of the same phantom, not solved: for benchmarks of the solver.
 WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOptions& mesher,
                                 const ProgressSink& progress = {});
