@@ -81,7 +81,7 @@ public:
                 couplings_.push_back(model_.unit_coupling_times(region, result_.spread_));
             }
         }
-        for (const double t : {0.0, 1.0, 0.5, 0.25, 0.75}) add_modes_at(moduli_at(t));
+        for (const double t : {0.0, 1.0, 0.5}) add_modes_at(moduli_at(t));
         if (unknown_.size() > 1) {
             for (const Index region : unknown_) add_modes_off_the_diagonal(region);
         }
@@ -146,7 +146,7 @@ private:
         const auto equilibrium = cholesky(model.stiffness(), "stiffness of the observed nodes");
         const Index most = std::min(model.driven_dofs(), model.observed_dofs());
         Eigen::MatrixXd basis;
-        for (Index count = std::min<Index>(most, 320);; count = std::min<Index>(most, 2 * count)) {
+        for (Index count = std::min<Index>(most, 480);; count = std::min<Index>(most, 2 * count)) {
             const Eigen::MatrixXd responses =
                 equilibrium.solve(model.coupling_times(prior_.samples(count, options_.seed)));
             basis = orthonormal_columns(responses, 0.5 * tolerance() * std::sqrt(count));
@@ -203,7 +203,7 @@ private:
     /// modes there while it is too much.
     void test() {
         const Eigen::MatrixXd walls = prior_.samples(4, options_.seed + 1000);
-        for (const double t : {0.12, 0.63}) {
+        for (const double t : {0.25, 0.75}) {
             double left_out = left_out_at(moduli_at(t), walls);
             if (left_out > options_.tolerance_mm) {
                 add_modes_at(moduli_at(t));

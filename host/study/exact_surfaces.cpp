@@ -74,16 +74,16 @@ MapEstimate recover_from_surfaces(const Truth& truth, const StudyOptions& option
     search.modulus_tolerance_sd = 0.02;
     search.noise_iterations = 30;
     search.smallest_noise_scale = least_noise_mm / first_noise_mm;
-    return map_estimate(mechanics.response, mechanics.walls, observations, mechanics.priors,
-                        search, progress);
+    return map_estimate(mechanics.response, mechanics.walls, observations, mechanics.priors, search,
+                        progress);
 }
 
 Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& progress) {
     const auto begin = std::chrono::steady_clock::now();
     const MapEstimate found = recover_from_surfaces(truth, options, progress);
     const double kpa = std::exp(found.theta[0]), expected = truth.options.stiffness_kpa;
-    const auto interval = truth.is_finer ? with_model_error(found.interval_kpa[0], kpa)
-                                         : found.interval_kpa[0];
+    const auto interval =
+        truth.is_finer ? with_model_error(found.interval_kpa[0], kpa) : found.interval_kpa[0];
     Row row;
     row.set("truth", name_of(truth));
     row.set("seed", truth.options.seed, 0);
