@@ -274,7 +274,8 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.noise_scale = noise_.scale();
     estimate.records = records_;
     estimate.termination = termination;
-    const LinearisedProblem problem = linearise(state);
+    estimate.posterior = std::make_shared<LinearisedProblem>(linearise(state));
+    const LinearisedProblem& problem = *estimate.posterior;
     estimate.covariance = laplace_covariance(problem, state.theta);
     for (Index k = 0; k < problem.num_unknown(); ++k) {
         estimate.profiles.push_back(profile_of(problem, state.theta, estimate.covariance, k));

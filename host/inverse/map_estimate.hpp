@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "host/inverse/marginal.hpp"
@@ -35,6 +36,9 @@ struct MapEstimate {
     Eigen::MatrixXd covariance;                       ///< of theta, Laplace approximation
     std::vector<std::array<double, 2>> interval_kpa;  ///< 95 %, from the profile of F
     std::vector<ProfileResult> profiles;
+    /// The problem linearised at the estimate, for the uncertainty of whatever follows from the
+    /// wall motion; valid as long as the response model and the walls' prior are.
+    std::shared_ptr<const LinearisedProblem> posterior;
     double noise_scale = 1;  ///< factor on sigma_n that the data asked for
     std::vector<IterationRecord> records;
     Termination termination;

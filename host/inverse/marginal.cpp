@@ -30,7 +30,11 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
                                      const std::vector<LinearRow>& rows,
                                      const Eigen::VectorXd& driven, const Eigen::VectorXd& observed,
                                      const std::vector<ModulusPrior>& priors)
-    : model_(model), walls_(prior, rows, driven), priors_(priors), unknown_(regions_of(priors)) {
+    : model_(model),
+      prior_(prior),
+      walls_(prior, rows, driven),
+      priors_(priors),
+      unknown_(regions_of(priors)) {
     const auto count =
         std::count_if(rows.begin(), rows.end(), [](const auto& row) { return !row.on_driven; });
     seen_modes_.resize(count, model.num_modes());
@@ -137,6 +141,23 @@ void LinearisedProblem::add_gradient(const Response& response, const Eigen::Vect
             gradient[k] += response.kpa[region.region] * change;
         }
     }
+}
+
+// G^T (H^-1 - H^-1 N^T J^T C^-1 J N H^-1) G
+Eigen::MatrixXd LinearisedProblem::motion_covariance(const Eigen::VectorXd& theta,
+                                                     const Eigen::MatrixXd& functionals) const {
+    Eigen::MatrixXd conditioned = prior_.covariance_times(functionals);
+    for (Index c = 0; c < conditioned.cols(); ++c) {
+        conditioned.col(c) = walls_.conditioned(conditioned.col(c));
+    }
+    const Eigen::MatrixXd by_walls = functionals.transpose() * conditioned;
+    if (num_observed_rows() == 0) return by_walls;
+    const Response response = respond(theta);
+    const Eigen::MatrixXd seen =
+        seen_modes_ * response.equilibrium.solve(model_.coupling(response.kpa) *
+                                                 (model_.functionals() * conditioned));
+    const Eigen::MatrixXd inner = response.inner.solve(response.weighted.transpose() * seen);
+    return by_walls - seen.transpose() * (seen - response.weighted * inner);
 }
 
 Eigen::MatrixXd LinearisedProblem::hessian(const Eigen::VectorXd& theta) const {

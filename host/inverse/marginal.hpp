@@ -47,6 +47,10 @@ public:
 
     /// theta: ln E of the unknown regions, in the order of the priors.
     Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const;
+    /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
+    /// at theta, all data seen; functionals [driven_dofs, n].
+    Eigen::MatrixXd motion_covariance(const Eigen::VectorXd& theta,
+                                      const Eigen::MatrixXd& functionals) const;
     /// Central differences of the gradient [num unknown, num unknown], symmetrised.
     Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const;
 
@@ -63,6 +67,7 @@ private:
                       const Eigen::VectorXd& seen_alpha, Eigen::VectorXd& gradient) const;
 
     const ResponseModel& model_;
+    const WallPrior& prior_;
     WallPosterior walls_;
     std::vector<ModulusPrior> priors_;
     std::vector<Index> unknown_;  ///< regions of `priors_`

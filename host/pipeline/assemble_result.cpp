@@ -129,6 +129,7 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelF
     result.role = observed.driven ? "driven" : "tissue";
     result.reference = observed.surface;
     result.node_of = observed.node_of;
+    if (s < found.resultant_sd.size()) result.resultant_sd_mn = found.resultant_sd[s];
     const DistanceMap& map = *found.target_maps[s];
     std::vector<std::uint8_t> seen;
     for (std::size_t v = 0; v < observed.node_of.size(); ++v) {

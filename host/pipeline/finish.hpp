@@ -24,8 +24,9 @@ struct Recovered {
     std::vector<std::shared_ptr<const DistanceMap>> target_maps;  ///< in the reference frame
     MapEstimate estimate;
     // Filled by `solve_full_model`:
-    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
-    Eigen::VectorXd force;         ///< [3 num_nodes] mN, reactions at prescribed nodes
+    Eigen::VectorXd displacement;    ///< [3 num_nodes] mm
+    Eigen::VectorXd force;           ///< [3 num_nodes] mN, reactions at prescribed nodes
+    std::vector<Vec3> resultant_sd;  ///< [surfaces] mN, of the force on each driven organ
     double relative_residual = 0;
     LinearSolverInfo solver;
     std::vector<std::string> warnings;

@@ -57,6 +57,37 @@ void check_against_response(const Recovered& found) {
     }
 }
 
+/// The resultant force on a driven organ is linear in the wall motion, e^T K u(u_d) = (S_dd e)^T
+/// u_d for rigid translations e of that organ: the reactions to them are its gradient. Standard
+/// deviation at the estimated moduli, from what the data leave open of the motion.
+std::vector<Vec3> resultant_deviations(const Recovered& found, LinearSolver& solver) {
+    const RecoveryModel& recovery = found.recovery;
+    std::vector<Vec3> deviations(recovery.surfaces.size(), Vec3::Zero());
+    if (!found.estimate.posterior) return deviations;
+    for (std::size_t s = 0; s < recovery.surfaces.size(); ++s) {
+        if (!recovery.surfaces[s].driven) continue;
+        Columns moved = Columns::Zero(recovery.model.num_dofs(), 3), answer;
+        for (const Index node : recovery.surfaces[s].node_of) {
+            if (std::binary_search(recovery.driven.begin(), recovery.driven.end(), node)) {
+                moved.middleRows<3>(3 * node).setIdentity();
+            }
+        }
+        solver.solve(moved, answer);
+        Eigen::MatrixXd gradient(3 * recovery.driven.size(), 3);
+        for (int c = 0; c < 3; ++c) {
+            const Eigen::VectorXd force = reactions(recovery.model, answer.col(c));
+            for (std::size_t k = 0; k < recovery.driven.size(); ++k) {
+                gradient.col(c).segment<3>(3 * k) = force.segment<3>(3 * recovery.driven[k]);
+            }
+        }
+        deviations[s] = found.estimate.posterior->motion_covariance(found.estimate.theta, gradient)
+                            .diagonal()
+                            .cwiseMax(0.0)
+                            .cwiseSqrt();
+    }
+    return deviations;
+}
+
 }  // namespace
 
 void solve_full_model(Recovered& found, const LinearSolverOptions& options,
@@ -82,6 +113,7 @@ void solve_full_model(Recovered& found, const LinearSolverOptions& options,
     found.relative_residual = summary.relative_residual;
     found.solver = solver->describe();
     found.force = reactions(model, found.displacement);
+    found.resultant_sd = resultant_deviations(found, *solver);
     check_against_response(found);
 }
 

@@ -13,12 +13,12 @@ namespace palpate {
 namespace {
 
 std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const ReducedModel& model,
-                                         const Settings& settings) {
+                                         const PriorSettings& prior) {
     std::vector<ModulusPrior> priors;
     for (const Index region : recovery.unknown) {
         if (!model.has_region(region)) continue;
-        priors.push_back(
-            {region, std::log(prior_median_kpa(settings)), settings.prior.stiffness_sd_ln});
+        priors.push_back({region, std::log(recovery.model.materials[region].stiffness_kpa),
+                          prior.stiffness_sd_ln});
     }
     return priors;
 }
@@ -31,11 +31,10 @@ std::vector<double> moduli_of(const Model& model) {
 
 }  // namespace
 
-Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
+Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
                          const LinearSolverOptions& solver, const MechanicsOptions& options,
                          StageTimer& timer, const ProgressSink& progress) {
     timer.start("condensing");
-    RecoveryModel recovery = build_model(mesh, settings);
     CondensationSummary condensation;
     const ReducedModel reduced(condense(recovery.model, recovery.observed, recovery.driven, solver,
                                         &condensation, progress),
@@ -43,11 +42,11 @@ Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
                                static_cast<Index>(recovery.driven.size()),
                                moduli_of(recovery.model));
     timer.start("compressing");
-    WallPrior walls(displacement_precision(recovery, settings.prior.displacement_sd_mm,
-                                           settings.prior.displacement_range_mm));
-    auto priors = modulus_priors(recovery, reduced, settings);
+    WallPrior walls(
+        displacement_precision(recovery, prior.displacement_sd_mm, prior.displacement_range_mm));
+    auto priors = modulus_priors(recovery, reduced, prior);
     std::vector<Index> unknown;
-    for (const auto& prior : priors) unknown.push_back(prior.region);
+    for (const auto& modulus : priors) unknown.push_back(modulus.region);
     ResponseModel response = ResponseModel::compressed(reduced, walls, unknown, options.response);
     report_progress(
         progress, "compressing", 1,
@@ -55,6 +54,14 @@ Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
                     response.num_functionals(), response.num_modes(), response.left_out_mm()));
     return {std::move(recovery), std::move(walls), std::move(response), std::move(priors),
             std::move(condensation)};
+}
+
+Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
+                         const LinearSolverOptions& solver, const MechanicsOptions& options,
+                         StageTimer& timer, const ProgressSink& progress) {
+    timer.start("condensing");
+    return make_mechanics(build_model(mesh, settings), settings.prior, solver, options, timer,
+                          progress);
 }
 
 }  // namespace palpate

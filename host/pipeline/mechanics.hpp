@@ -27,6 +27,12 @@ struct MechanicsOptions {
     ResponseOptions response;
 };
 
+/// From node sets to a model that answers for any modulus. Unknown moduli have their prior's median
+/// in `recovery.model`.
+Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
+                         const LinearSolverOptions& solver, const MechanicsOptions& options,
+                         StageTimer& timer, const ProgressSink& progress = {});
+
 /// From a mesh in memory to a model that answers for any modulus: node sets, condensation, response
 /// model. Throws what `build_model` and `condense` throw.
 Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,

@@ -147,6 +147,14 @@ std::string regions_table_html(const RecoveryResult& result) {
     return out + "</tbody></table></div>";
 }
 
+/// Size of the force with its 95 % interval along its own direction, N.
+std::string force_cell(const SurfaceResult& s) {
+    const double size = s.resultant_force_mn.norm();
+    if (size == 0) return decimals(0, 3);
+    const double sd = s.resultant_sd_mn.cwiseProduct(s.resultant_force_mn).norm() / size;
+    return decimals(size / 1000, 3) + (sd > 0 ? " ± " + decimals(1.96 * sd / 1000, 3) : "");
+}
+
 std::string surfaces_table_html(const RecoveryResult& result) {
     std::string out =
         "<div class='scroll'><table><thead><tr><th rowspan='2'>Surface</th>"
@@ -166,7 +174,7 @@ std::string surfaces_table_html(const RecoveryResult& result) {
             before_after_cells(s.dice_before, s.dice_after, 3),
             before_after_cells(s.mean_distance_mm_before, s.mean_distance_mm_after, 2),
             before_after_cells(s.max_distance_mm_before, s.max_distance_mm_after, 2),
-            s.role == "driven" ? decimals(s.resultant_force_mn.norm() / 1000, 3) : "–");
+            s.role == "driven" ? force_cell(s) : "–");
     }
     out += "</tbody></table></div>";
     if (any_cut)

@@ -47,7 +47,8 @@ Json surface_json(const SurfaceResult& s) {
             {"max_distance_mm_before", number(s.max_distance_mm_before)},
             {"max_distance_mm_after", number(s.max_distance_mm_after)},
             {"cut_by_image", s.cut_by_image},
-            {"resultant_force_mn", vector3(s.resultant_force_mn)}};
+            {"resultant_force_mn", vector3(s.resultant_force_mn)},
+            {"resultant_sd_mn", vector3(s.resultant_sd_mn)}};
 }
 
 Json mesh_json(const RecoveryResult& result) {

@@ -46,6 +46,8 @@ struct SurfaceResult {
     double max_distance_mm_before = 0, max_distance_mm_after = 0;
     bool cut_by_image = false;
     Vec3 resultant_force_mn = Vec3::Zero();  ///< sum of the reactions on a driven organ, mN, LPS
+    /// Its standard deviation per component, mN, at the estimated moduli; zero if not computed.
+    Vec3 resultant_sd_mn = Vec3::Zero();
     // For pictures. `reference` has the vertex numbers of the mesh in `node_of`; without caps.
     Surface reference;
     std::vector<Index> node_of;
