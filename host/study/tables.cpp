@@ -120,6 +120,10 @@ StudySection accuracy_section(const std::vector<Estimate>& ours,
         "<p class='caption'>Error: recovered over expected stiffness, minus one. In brackets: 95 % "
         "range of the share of intervals that hold the truth (Clopper and Pearson); 95 % is aimed "
         "at.</p>";
+    section.html +=
+        "<p class='caption'>The truths obey the elastic law that the recovery assumes, on another "
+        "mesh: the errors are those of voxels, mesh and unknown wall motion, not of tissue that "
+        "behaves otherwise.</p>";
     if (!published.empty())
         section.html += "<p class='caption'>" + escape_html(published_source()) + "</p>";
     return section;
