@@ -39,9 +39,15 @@ TEST(Tumour, IsABallAndLeavesOtherRegionsAlone) {
     for (Index t = 0; t < mesh.num_tets(); ++t) {
         Vec3 x = Vec3::Zero();
         for (const Index node : mesh.tets[t]) x += 0.25 * mesh.nodes[node];
-        if (x[2] > 5) EXPECT_EQ(mesh.region[t], 1);
-        if (x[2] < 5 && (x - centre).norm() < radius - 0.5) EXPECT_EQ(mesh.region[t], 7);
-        if (x[2] < 5 && (x - centre).norm() > radius + 0.5) EXPECT_EQ(mesh.region[t], 0);
+        if (x[2] > 5) {
+            EXPECT_EQ(mesh.region[t], 1);
+        }
+        if (x[2] < 5 && (x - centre).norm() < radius - 0.5) {
+            EXPECT_EQ(mesh.region[t], 7);
+        }
+        if (x[2] < 5 && (x - centre).norm() > radius + 0.5) {
+            EXPECT_EQ(mesh.region[t], 0);
+        }
     }
 }
 
