@@ -8,6 +8,7 @@
 #include "host/pipeline/finish.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
+#include "solver/model/stiffness_matrix.hpp"
 
 namespace palpate {
 namespace {
@@ -57,33 +58,45 @@ void check_against_response(const Recovered& found) {
     }
 }
 
+/// K x at the driven nodes, [3 num_driven, columns].
+Eigen::MatrixXd driven_reactions(const RecoveryModel& recovery, const Columns& x) {
+    const StiffnessMatrix stiffness = assemble_stiffness(recovery.model);
+    Columns force(3 * recovery.driven.size(), x.cols());
+    for (std::size_t k = 0; k < recovery.driven.size(); ++k) {
+        const Index node = recovery.driven[k];
+        multiply_rows(stiffness, node, node + 1, x.data(), static_cast<Index>(x.cols()), {},
+                      force.row(3 * k).data());
+    }
+    return force;
+}
+
 /// The resultant force on a driven organ is linear in the wall motion, e^T K u(u_d) = (S_dd e)^T
 /// u_d for rigid translations e of that organ: the reactions to them are its gradient. Standard
 /// deviation at the estimated moduli, from what the data leave open of the motion.
 std::vector<Vec3> resultant_deviations(const Recovered& found, LinearSolver& solver) {
     const RecoveryModel& recovery = found.recovery;
     std::vector<Vec3> deviations(recovery.surfaces.size(), Vec3::Zero());
-    if (!found.estimate.posterior) return deviations;
+    std::vector<std::size_t> driven;
     for (std::size_t s = 0; s < recovery.surfaces.size(); ++s) {
-        if (!recovery.surfaces[s].driven) continue;
-        Columns moved = Columns::Zero(recovery.model.num_dofs(), 3), answer;
-        for (const Index node : recovery.surfaces[s].node_of) {
-            if (std::binary_search(recovery.driven.begin(), recovery.driven.end(), node)) {
-                moved.middleRows<3>(3 * node).setIdentity();
-            }
+        if (recovery.surfaces[s].driven) driven.push_back(s);
+    }
+    if (!found.estimate.posterior || driven.empty()) return deviations;
+    Columns moved = Columns::Zero(recovery.model.num_dofs(), 3 * driven.size());
+    for (std::size_t d = 0; d < driven.size(); ++d) {
+        for (const Index node : recovery.surfaces[driven[d]].node_of) {
+            if (!std::binary_search(recovery.driven.begin(), recovery.driven.end(), node)) continue;
+            moved.block<3, 3>(3 * node, 3 * d).setIdentity();
         }
-        solver.solve(moved, answer);
-        Eigen::MatrixXd gradient(3 * recovery.driven.size(), 3);
-        for (int c = 0; c < 3; ++c) {
-            const Eigen::VectorXd force = reactions(recovery.model, answer.col(c));
-            for (std::size_t k = 0; k < recovery.driven.size(); ++k) {
-                gradient.col(c).segment<3>(3 * k) = force.segment<3>(3 * recovery.driven[k]);
-            }
-        }
-        deviations[s] = found.estimate.posterior->motion_covariance(found.estimate.theta, gradient)
-                            .diagonal()
-                            .cwiseMax(0.0)
-                            .cwiseSqrt();
+    }
+    Columns answer;
+    solver.solve(moved, answer);
+    const Eigen::VectorXd variance =
+        found.estimate.posterior
+            ->motion_covariance(found.estimate.theta, driven_reactions(recovery, answer))
+            .diagonal()
+            .cwiseMax(0.0);
+    for (std::size_t d = 0; d < driven.size(); ++d) {
+        deviations[driven[d]] = variance.segment<3>(3 * d).cwiseSqrt();
     }
     return deviations;
 }

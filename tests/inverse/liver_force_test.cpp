@@ -9,8 +9,8 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkUnstructuredGridReader.h>
 
-#include <algorithm>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -49,10 +49,10 @@ std::vector<std::vector<double>> read_rows(const std::filesystem::path& path) {
 }
 
 struct Liver {
-    Mesh mesh;                    ///< mm
+    Mesh mesh;  ///< mm
     std::vector<Index> fixed, tool_nodes;
-    std::vector<Vec3> cloud;      ///< mm
-    Vec3 force_mn = Vec3::Zero(); ///< true, last frame
+    std::vector<Vec3> cloud;       ///< mm
+    Vec3 force_mn = Vec3::Zero();  ///< true, last frame
 };
 
 Liver read_liver() {
@@ -176,12 +176,11 @@ TEST(LiverForce, IsFoundFromThePartOfTheSurfaceThatWasSeen) {
     MechanicsOptions options;
     options.response.tolerance_mm = 1e-3;
     StageTimer timer;
-    const Mechanics mechanics =
-        make_mechanics(model_of(input), prior, {}, options, timer);
+    const Mechanics mechanics = make_mechanics(model_of(input), prior, {}, options, timer);
     ASSERT_EQ(mechanics.recovery.surfaces[1].surface.triangles.size(), 1u);
     ObservedShapes shapes;
-    shapes.reference.assign(
-        2, std::make_shared<SurfaceShape>(mechanics.recovery.surfaces[0].surface));
+    shapes.reference.assign(2,
+                            std::make_shared<SurfaceShape>(mechanics.recovery.surfaces[0].surface));
     shapes.target = {std::make_shared<PointShape>(input.cloud), nullptr};
     ObservationOptions seen;
     seen.noise_mm = 1.0;
@@ -201,13 +200,14 @@ TEST(LiverForce, IsFoundFromThePartOfTheSurfaceThatWasSeen) {
 
     Vec3 force = Vec3::Zero();
     for (const Index node : input.tool_nodes) force += found.force.segment<3>(3 * node);
-    std::printf("    true (%.3f, %.3f, %.3f) N, found (%.3f, %.3f, %.3f) +- (%.3f, %.3f, %.3f) N, "
-                "noise %.3f mm, %d iterations: %s\n",
-                input.force_mn[0] / 1e3, input.force_mn[1] / 1e3, input.force_mn[2] / 1e3,
-                force[0] / 1e3, force[1] / 1e3, force[2] / 1e3,
-                1.96e-3 * found.resultant_sd[1][0], 1.96e-3 * found.resultant_sd[1][1],
-                1.96e-3 * found.resultant_sd[1][2], seen.noise_mm * found.estimate.noise_scale, found.estimate.termination.iterations,
-                found.estimate.termination.reason.c_str());
+    std::printf(
+        "    true (%.3f, %.3f, %.3f) N, found (%.3f, %.3f, %.3f) +- (%.3f, %.3f, %.3f) N, "
+        "noise %.3f mm, %d iterations: %s\n",
+        input.force_mn[0] / 1e3, input.force_mn[1] / 1e3, input.force_mn[2] / 1e3, force[0] / 1e3,
+        force[1] / 1e3, force[2] / 1e3, 1.96e-3 * found.resultant_sd[1][0],
+        1.96e-3 * found.resultant_sd[1][1], 1.96e-3 * found.resultant_sd[1][2],
+        seen.noise_mm * found.estimate.noise_scale, found.estimate.termination.iterations,
+        found.estimate.termination.reason.c_str());
     EXPECT_LT((force - input.force_mn).norm(), 0.10 * input.force_mn.norm());
     for (int c = 0; c < 3; ++c) {
         EXPECT_LT(std::abs(force[c] - input.force_mn[c]), 1.96 * found.resultant_sd[1][c]);

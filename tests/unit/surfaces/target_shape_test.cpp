@@ -29,7 +29,9 @@ Surface cap(double degrees, Index rings, Index sectors) {
                                                      std::cos(polar)));
         }
     }
-    const auto at = [&](Index r, Index s) { return r == 0 ? 0 : 1 + (r - 1) * sectors + s % sectors; };
+    const auto at = [&](Index r, Index s) {
+        return r == 0 ? 0 : 1 + (r - 1) * sectors + s % sectors;
+    };
     for (Index r = 0; r < rings; ++r) {
         for (Index s = 0; s < sectors; ++s) {
             surface.triangles.push_back({at(r, s), at(r + 1, s), at(r + 1, s + 1)});
@@ -41,7 +43,8 @@ Surface cap(double degrees, Index rings, Index sectors) {
 
 Vec3 on_sphere(double polar_degrees, double distance) {
     const double polar = polar_degrees * std::numbers::pi / 180;
-    return (radius + distance) * Vec3(std::sin(polar) * 0.6, std::sin(polar) * 0.8, std::cos(polar));
+    return (radius + distance) *
+           Vec3(std::sin(polar) * 0.6, std::sin(polar) * 0.8, std::cos(polar));
 }
 
 TEST(SurfaceShape, MeasuresAlongTheNormalAndEndsAtItsRim) {
