@@ -7,12 +7,39 @@
 #include <utility>
 
 #include "host/inverse/column_basis.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
+namespace {
+
+bool has_size(const Eigen::MatrixXd& matrix, Eigen::Index rows, Eigen::Index columns) {
+    return matrix.rows() == rows && matrix.cols() == columns;
+}
+
+bool fit_together(const ResponseModel::Parts& parts) {
+    const Eigen::Index modes = parts.modes.cols(), functionals = parts.functionals.rows();
+    const Index num_regions = static_cast<Index>(parts.stiffness_kpa.size());
+    return has_size(parts.spread, parts.functionals.cols(), functionals) &&
+           has_size(parts.prior_covariance, functionals, functionals) &&
+           parts.influence.size() == functionals &&
+           std::all_of(parts.regions.begin(), parts.regions.end(), [&](const auto& part) {
+               return part.region >= 0 && part.region < num_regions &&
+                      has_size(part.stiffness, modes, modes) &&
+                      (part.coupling.size() == 0 || has_size(part.coupling, modes, functionals));
+           });
+}
+
+}  // namespace
+
+ResponseModel::ResponseModel(Parts parts) : parts_(std::move(parts)) {
+    if (!fit_together(parts_)) {
+        throw Error(ErrorCode::invalid_argument, "the parts of a response model do not fit");
+    }
+}
 
 std::vector<double> ResponseModel::moduli(const std::vector<Index>& regions,
                                           const Eigen::VectorXd& theta) const {
-    std::vector<double> kpa = stiffness_kpa_;
+    std::vector<double> kpa = parts_.stiffness_kpa;
     for (std::size_t k = 0; k < regions.size(); ++k) {
         kpa[regions[k]] = std::exp(theta[static_cast<Index>(k)]);
     }
@@ -21,13 +48,13 @@ std::vector<double> ResponseModel::moduli(const std::vector<Index>& regions,
 
 Eigen::MatrixXd ResponseModel::stiffness(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_modes());
-    for (const Region& part : regions_) sum += kpa[part.region] * part.stiffness;
+    for (const Region& part : parts_.regions) sum += kpa[part.region] * part.stiffness;
     return sum;
 }
 
 Eigen::MatrixXd ResponseModel::coupling(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_functionals());
-    for (const Region& part : regions_) {
+    for (const Region& part : parts_.regions) {
         if (part.coupling.size() > 0) sum += kpa[part.region] * part.coupling;
     }
     return sum;
@@ -37,13 +64,14 @@ Eigen::VectorXd ResponseModel::observed_displacement(const std::vector<double>& 
                                                      const Eigen::VectorXd& driven) const {
     if (num_modes() == 0) return Eigen::VectorXd::Zero(observed_dofs());
     const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
-    return -(modes_ * equilibrium.solve(coupling(kpa) * (functionals_ * driven)));
+    return -(parts_.modes * equilibrium.solve(coupling(kpa) * (parts_.functionals * driven)));
 }
 
 Eigen::MatrixXd ResponseModel::significant_root(const Eigen::MatrixXd& covariance) const {
-    const Eigen::MatrixXd weighted = influence_.asDiagonal() * covariance * influence_.asDiagonal();
-    const ColumnSelection kept = select_columns(weighted, root_tolerance_);
-    return influence_.cwiseInverse().asDiagonal() * kept.root;
+    const Eigen::MatrixXd weighted =
+        parts_.influence.asDiagonal() * covariance * parts_.influence.asDiagonal();
+    const ColumnSelection kept = select_columns(weighted, parts_.root_tolerance);
+    return parts_.influence.cwiseInverse().asDiagonal() * kept.root;
 }
 
 /// Finds functionals and modes from responses of the condensed model at a few moduli.
@@ -52,22 +80,22 @@ public:
     ResponseBuilder(const ReducedModel& model, const WallPrior& prior,
                     const std::vector<Index>& unknown, const ResponseOptions& options)
         : model_(model), prior_(prior), unknown_(unknown), options_(options) {
-        result_.stiffness_kpa_ = model.stiffness_kpa();
+        parts_.stiffness_kpa = model.stiffness_kpa();
     }
 
     ResponseModel exact() {
         const Index n = model_.driven_dofs();
-        result_.modes_.setIdentity(model_.observed_dofs(), model_.observed_dofs());
-        result_.functionals_.setIdentity(n, n);
-        result_.spread_ = prior_.covariance_times(result_.functionals_);
-        result_.prior_covariance_ = result_.spread_;
-        result_.influence_.setOnes(n);
+        parts_.modes.setIdentity(model_.observed_dofs(), model_.observed_dofs());
+        parts_.functionals.setIdentity(n, n);
+        parts_.spread = prior_.covariance_times(parts_.functionals);
+        parts_.prior_covariance = parts_.spread;
+        parts_.influence.setOnes(n);
         for (const auto& region : model_.regions()) {
             Eigen::MatrixXd stiffness =
                 Eigen::MatrixXd::Zero(model_.observed_dofs(), model_.observed_dofs());
-            model_.add_observed_product(region, 1.0, result_.modes_, stiffness);
-            result_.regions_.push_back({region.region, std::move(stiffness),
-                                        model_.unit_coupling_times(region, result_.functionals_)});
+            model_.add_observed_product(region, 1.0, parts_.modes, stiffness);
+            parts_.regions.push_back({region.region, std::move(stiffness),
+                                      model_.unit_coupling_times(region, parts_.functionals)});
         }
         return std::move(result_);
     }
@@ -78,7 +106,7 @@ public:
             if (region.driven.empty()) {
                 couplings_.emplace_back();
             } else {
-                couplings_.push_back(model_.unit_coupling_times(region, result_.spread_));
+                couplings_.push_back(model_.unit_coupling_times(region, parts_.spread));
             }
         }
         for (const double t : {0.0, 1.0, 0.5}) add_modes_at(moduli_at(t));
@@ -134,10 +162,10 @@ private:
         }
         const Eigen::MatrixXd spread = prior_.covariance_times(stacked.transpose());
         const ColumnSelection kept = select_columns(stacked * spread, 0.1 * tolerance());
-        result_.functionals_ = kept.rows_of(stacked);
-        result_.spread_ = kept.columns_of(spread);
-        result_.prior_covariance_ =
-            Eigen::MatrixXd::Identity(result_.functionals_.rows(), result_.functionals_.rows());
+        parts_.functionals = kept.rows_of(stacked);
+        parts_.spread = kept.columns_of(spread);
+        parts_.prior_covariance =
+            Eigen::MatrixXd::Identity(parts_.functionals.rows(), parts_.functionals.rows());
     }
 
     /// Q^T A of the response A = S_oo^-1 S_od, Q an orthonormal basis of its range.
@@ -158,7 +186,7 @@ private:
     /// Responses to the functionals' unit motions at `kpa`, [observed_dofs, functionals].
     Eigen::MatrixXd responses_at(const Moduli& kpa) const {
         Eigen::MatrixXd force =
-            Eigen::MatrixXd::Zero(model_.observed_dofs(), result_.functionals_.rows());
+            Eigen::MatrixXd::Zero(model_.observed_dofs(), parts_.functionals.rows());
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
             if (couplings_[r].size() > 0) force += kpa[model_.regions()[r].region] * couplings_[r];
         }
@@ -168,12 +196,12 @@ private:
 
     void add_modes_at(const Moduli& kpa) {
         const Eigen::MatrixXd responses = responses_at(kpa);
-        if (result_.influence_.size() == 0) {
+        if (parts_.influence.size() == 0) {
             const double floor = 1e-6 * responses.norm();
-            result_.influence_ = responses.colwise().norm().cwiseMax(floor).transpose();
-            result_.root_tolerance_ = 0.5 * tolerance();
+            parts_.influence = responses.colwise().norm().cwiseMax(floor).transpose();
+            parts_.root_tolerance = 0.5 * tolerance();
         }
-        result_.modes_ = extended_basis(result_.modes_, responses, 0.5 * tolerance());
+        parts_.modes = extended_basis(parts_.modes, responses, 0.5 * tolerance());
     }
 
     void add_modes_off_the_diagonal(Index region) {
@@ -185,8 +213,8 @@ private:
     }
 
     void project() {
-        result_.regions_.clear();
-        const Eigen::MatrixXd& modes = result_.modes_;
+        parts_.regions.clear();
+        const Eigen::MatrixXd& modes = parts_.modes;
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
             const auto& region = model_.regions()[r];
             Eigen::MatrixXd product = Eigen::MatrixXd::Zero(modes.rows(), modes.cols());
@@ -195,7 +223,7 @@ private:
             ResponseModel::Region part{
                 region.region, 0.5 * (stiffness + stiffness.transpose()), {}};
             if (couplings_[r].size() > 0) part.coupling = modes.transpose() * couplings_[r];
-            result_.regions_.push_back(std::move(part));
+            parts_.regions.push_back(std::move(part));
         }
     }
 
@@ -210,7 +238,7 @@ private:
                 project();
                 left_out = left_out_at(moduli_at(t), walls);
             }
-            result_.left_out_mm_ = std::max(result_.left_out_mm_, left_out);
+            parts_.left_out_mm = std::max(parts_.left_out_mm, left_out);
         }
     }
 
@@ -231,6 +259,7 @@ private:
     const std::vector<Index>& unknown_;
     const ResponseOptions& options_;
     ResponseModel result_;
+    ResponseModel::Parts& parts_ = result_.parts_;
     std::vector<Eigen::MatrixXd> couplings_;  ///< S_r,od Q^-1 N^T per region
 };
 

@@ -35,6 +35,18 @@ public:
         Eigen::MatrixXd coupling;   ///< T_r [modes, functionals]; empty without driven nodes
     };
 
+    /// All that a response model consists of: what is saved and read back.
+    struct Parts {
+        std::vector<Region> regions;
+        std::vector<double> stiffness_kpa;  ///< [num regions] of the model that was condensed
+        Eigen::MatrixXd modes, functionals, spread, prior_covariance;  ///< see below
+        Eigen::VectorXd influence;  ///< norm of the observed motion per unit functional, mm
+        double root_tolerance = 0;
+        double left_out_mm = 0;
+    };
+
+    /// Throws Error(invalid_argument) if the parts do not fit together.
+    explicit ResponseModel(Parts parts);
     /// Nothing left out: every observed degree of freedom is a mode, every driven one a functional.
     static ResponseModel exact(const ReducedModel& model, const WallPrior& prior);
     /// `unknown`: regions whose moduli will change.
@@ -42,21 +54,23 @@ public:
                                     const std::vector<Index>& unknown,
                                     const ResponseOptions& options);
 
-    Index num_modes() const { return static_cast<Index>(modes_.cols()); }
-    Index num_functionals() const { return static_cast<Index>(functionals_.rows()); }
-    Index driven_dofs() const { return static_cast<Index>(functionals_.cols()); }
-    Index observed_dofs() const { return static_cast<Index>(modes_.rows()); }
-    const std::vector<Region>& regions() const { return regions_; }
-    const std::vector<double>& stiffness_kpa() const { return stiffness_kpa_; }
-    const Eigen::MatrixXd& modes() const { return modes_; }              ///< V
-    const Eigen::MatrixXd& functionals() const { return functionals_; }  ///< N
-    const Eigen::MatrixXd& spread() const { return spread_; }  ///< Q^-1 N^T [driven_dofs, k]
-    const Eigen::MatrixXd& prior_covariance() const { return prior_covariance_; }  ///< N Q^-1 N^T
+    Index num_modes() const { return static_cast<Index>(parts_.modes.cols()); }
+    Index num_functionals() const { return static_cast<Index>(parts_.functionals.rows()); }
+    Index driven_dofs() const { return static_cast<Index>(parts_.functionals.cols()); }
+    Index observed_dofs() const { return static_cast<Index>(parts_.modes.rows()); }
+    const std::vector<Region>& regions() const { return parts_.regions; }
+    const std::vector<double>& stiffness_kpa() const { return parts_.stiffness_kpa; }
+    const Eigen::MatrixXd& modes() const { return parts_.modes; }              ///< V
+    const Eigen::MatrixXd& functionals() const { return parts_.functionals; }  ///< N
+    const Eigen::MatrixXd& spread() const { return parts_.spread; }  ///< Q^-1 N^T [driven_dofs, k]
+    const Eigen::MatrixXd& prior_covariance() const {
+        return parts_.prior_covariance;
+    }  ///< N Q^-1 N^T
     /// P [functionals, rank] with P P^T = `covariance` of the functionals, up to motions that move
     /// the observed surface by less than the tolerance.
     Eigen::MatrixXd significant_root(const Eigen::MatrixXd& covariance) const;
     /// Measured: root mean square of the observed displacement left out, mm.
-    double left_out_mm() const { return left_out_mm_; }
+    double left_out_mm() const { return parts_.left_out_mm; }
 
     /// The moduli of all regions [num regions] with those of `regions` replaced.
     std::vector<double> moduli(const std::vector<Index>& regions,
@@ -67,14 +81,13 @@ public:
     Eigen::VectorXd observed_displacement(const std::vector<double>& kpa,
                                           const Eigen::VectorXd& driven) const;
 
+    const Parts& parts() const { return parts_; }
+
 private:
     friend class ResponseBuilder;
-    std::vector<Region> regions_;
-    std::vector<double> stiffness_kpa_;
-    Eigen::MatrixXd modes_, functionals_, spread_, prior_covariance_;
-    Eigen::VectorXd influence_;  ///< norm of the observed displacement for each unit functional, mm
-    double root_tolerance_ = 0;
-    double left_out_mm_ = 0;
+    ResponseModel() = default;
+
+    Parts parts_;
 };
 
 }  // namespace palpate

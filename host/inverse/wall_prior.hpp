@@ -27,6 +27,7 @@ public:
     explicit WallPrior(Eigen::SparseMatrix<double> precision);
 
     Index num_driven() const { return static_cast<Index>(precision_.rows()); }
+    const Eigen::SparseMatrix<double>& precision() const { return precision_; }
     const std::vector<Wall>& walls() const { return walls_; }
     /// 1/2 u^T Q u for a motion u [3 num_driven] mm.
     double energy(const Eigen::VectorXd& u) const;

@@ -10,6 +10,7 @@
 
 #include "host/inverse/column_basis.hpp"
 #include "host/inverse/marginal.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -187,6 +188,27 @@ TEST(ResponseModel, GivesTheSameObjectiveAsTheExactModel) {
         EXPECT_NEAR(a.gradient[0], b.gradient[0], 1e-3 * (1 + std::abs(a.gradient[0])));
         EXPECT_LT((a.driven - b.driven).norm(), 1e-3 * a.driven.norm());
     }
+}
+
+TEST(ResponseModel, TakenApartAndPutTogetherIsTheSame) {
+    Chain chain;
+    const auto model = ResponseModel::compressed(chain.model, chain.walls, {2}, {});
+
+    const ResponseModel again(model.parts());
+
+    const std::vector<double> kpa{0, 10, 33};
+    const Eigen::VectorXd driven = chain.noise(3 * Chain::num_driven);
+    EXPECT_EQ(again.observed_displacement(kpa, driven), model.observed_displacement(kpa, driven));
+    EXPECT_EQ(again.significant_root(model.prior_covariance()),
+              model.significant_root(model.prior_covariance()));
+}
+
+TEST(ResponseModel, RefusesPartsThatDoNotFit) {
+    Chain chain;
+    auto parts = ResponseModel::compressed(chain.model, chain.walls, {2}, {}).parts();
+    parts.regions.back().region = 3;
+
+    EXPECT_THROW(ResponseModel{parts}, Error);
 }
 
 }  // namespace
