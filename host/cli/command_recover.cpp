@@ -9,7 +9,9 @@
 #include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
 #include "host/pipeline/recover.hpp"
+#include "host/pipeline/saved_reference_file.hpp"
 #include "host/report/result_folder.hpp"
+#include "host/report/targets_report.hpp"
 #include "host/report/text_report.hpp"
 #include "solver/base/error.hpp"
 
@@ -17,7 +19,8 @@ namespace palpate {
 namespace {
 
 struct RecoverArguments {
-    std::string reference, target, config, out, mesh, transform;
+    std::string reference, config, out, mesh, transform, save_reduced, load_reduced;
+    std::vector<std::string> targets;
     std::string align = "auto", method = "map";
     SolverArguments solver;
     MesherArguments mesher;
@@ -34,8 +37,7 @@ AlignMethod align_method(const std::string& name) {
     return methods.at(name);
 }
 
-int run_recover(const RecoverArguments& arguments) {
-    check_result_folder(arguments.out, arguments.overwrite);
+RecoverOptions recover_options(const RecoverArguments& arguments) {
     RecoverOptions options;
     options.settings = read_settings(arguments.config);
     options.mesh = arguments.mesh;
@@ -48,19 +50,107 @@ int run_recover(const RecoverArguments& arguments) {
     options.nested.max_outer_iterations = arguments.max_iterations;
     options.nested.time_limit_s = arguments.search_time_s;
     options.nested.direct_library = options.solver.direct_library;
+    options.save_reduced = arguments.save_reduced;
+    options.load_reduced = arguments.load_reduced;
+    return options;
+}
 
-    const auto progress = console_progress(arguments.quiet);
-    report_progress(progress, "reading", 0, "reading both segmentations");
-    const RecoveryResult result = recover(read_segmentation(arguments.reference),
-                                          read_segmentation(arguments.target), options, progress);
+void write(const RecoverArguments& arguments, const RecoveryResult& result,
+           const std::filesystem::path& folder, const ProgressSink& progress) {
     report_progress(progress, "writing", 0, "result folder");
     ResultOptions writing;
     writing.overwrite = arguments.overwrite;
     writing.include_file_names = arguments.keep_file_names;
-    write_result(result, arguments.out, writing);
+    write_result(result, folder, writing);
+}
+
+int exit_code_for(const RecoveryResult& result) {
+    return result.termination.converged ? 0 : exit_code_not_converged;
+}
+
+int recover_one(const RecoverArguments& arguments, const RecoverOptions& options,
+                const ProgressSink& progress) {
+    report_progress(progress, "reading", 0, "reading both segmentations");
+    const RecoveryResult result =
+        recover(read_segmentation(arguments.reference),
+                read_segmentation(arguments.targets.front()), options, progress);
+    write(arguments, result, arguments.out, progress);
     end_progress_line();
     fmt::print("{}\nreport: {}/report.html\n", text_report(result), arguments.out);
-    return result.termination.converged ? 0 : exit_code_not_converged;
+    return exit_code_for(result);
+}
+
+/// An error is worse than not converging, which is worse than success; the first error counts.
+int worse(int a, int b) {
+    if (a == 0 || (a == exit_code_not_converged && b != 0)) return b;
+    return a;
+}
+
+std::vector<Segmentation> read_targets(const RecoverArguments& arguments) {
+    std::vector<Segmentation> targets;
+    for (const auto& target : arguments.targets) targets.push_back(read_segmentation(target));
+    return targets;
+}
+
+/// One result folder per target, and the table of all, which grows as they are done.
+int recover_several(const RecoverArguments& arguments, const RecoverOptions& options,
+                    const std::vector<std::string>& names, const ProgressSink& progress) {
+    const std::filesystem::path folder = arguments.out;
+    std::vector<TargetRow> rows;
+    int exit_code = 0;
+    const auto add = [&](TargetRow row, int code) {
+        rows.push_back(std::move(row));
+        exit_code = worse(exit_code, code);
+        write_targets_file(folder, targets_csv(rows));
+    };
+    report_progress(progress, "reading", 0, "reading the segmentations");
+    recover_all(
+        read_segmentation(arguments.reference), read_targets(arguments), options,
+        [&](std::size_t k, const RecoveryResult& result, double seconds) {
+            write(arguments, result, folder / names[k], progress);
+            add(target_row(names[k], result, seconds), exit_code_for(result));
+        },
+        progress,
+        [&](std::size_t k, const Error& error) {
+            add(failed_row(names[k], error.what()), exit_code_of(error.code()));
+        });
+    end_progress_line();
+    fmt::print("{}\nreports: {}/*/report.html, table: {}/{}\n", targets_table(rows), arguments.out,
+               arguments.out, targets_file_name);
+    return exit_code;
+}
+
+int run_recover(const RecoverArguments& arguments) {
+    const bool several = arguments.targets.size() > 1;
+    std::vector<std::string> names;
+    if (several) {
+        names = target_folder_names({arguments.targets.begin(), arguments.targets.end()});
+        check_targets_folder(arguments.out, names, arguments.overwrite);
+    } else {
+        check_result_folder(arguments.out, arguments.overwrite);
+    }
+    if (!arguments.save_reduced.empty()) {
+        check_saved_reference_path(arguments.save_reduced, arguments.overwrite);
+    }
+    const RecoverOptions options = recover_options(arguments);
+    const auto progress = console_progress(arguments.quiet);
+    return several ? recover_several(arguments, options, names, progress)
+                   : recover_one(arguments, options, progress);
+}
+
+/// To be called after the options of mesh and mesher were added.
+void add_reduced_options(CLI::App& command, RecoverArguments& arguments) {
+    CLI::Option* save = command.add_option(
+        "--save-reduced", arguments.save_reduced,
+        "File, made new, for the mesh and the reduced model of the reference, for --load-reduced");
+    CLI::Option* load = command.add_option(
+        "--load-reduced", arguments.load_reduced,
+        "Such a file of the same reference and settings: no meshing, no condensing");
+    load->excludes(save);
+    for (const char* name :
+         {"--mesh", "--mesher", "--nodes", "--mesh-time-limit", "--mesh-memory-limit"}) {
+        load->excludes(command.get_option(name));
+    }
 }
 
 }  // namespace
@@ -70,10 +160,14 @@ void add_recover(CLI::App& app, Run& run) {
     CLI::App* command = app.add_subcommand(
         "recover", "Stiffness, forces and deformation from two segmentations of one patient");
     command->add_option("reference", arguments->reference, "Label volume, state one")->required();
-    command->add_option("target", arguments->target, "Label volume, state two")->required();
+    command
+        ->add_option("target", arguments->targets,
+                     "Label volume, state two; of several, each gets a folder of its name in --out")
+        ->required();
     command->add_option("--config", arguments->config, "Organs and their roles (TOML)")->required();
     command->add_option("--out", arguments->out, "Result folder, made new")->required();
-    command->add_flag("--overwrite", arguments->overwrite, "Replace an older result folder");
+    command->add_flag("--overwrite", arguments->overwrite,
+                      "Replace an older result folder or --save-reduced file");
     CLI::Option* align =
         command
             ->add_option("--align", arguments->align,
@@ -105,6 +199,7 @@ void add_recover(CLI::App& app, Run& run) {
                       "Write the names of the input files into the result");
     command->add_flag("--quiet", arguments->quiet, "No progress");
     add_mesher_options(*command, arguments->mesher);
+    add_reduced_options(*command, *arguments);
     add_solver_options(*command, arguments->solver);
     command->callback([arguments, &run] { run = [arguments] { return run_recover(*arguments); }; });
 }

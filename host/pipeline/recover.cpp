@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pipeline/recover.hpp"
 
+#include <fmt/core.h>
+
 #include <future>
+#include <optional>
 #include <utility>
 
 #include "host/imaging/io.hpp"
 #include "host/pipeline/prepared.hpp"
+#include "host/pipeline/saved_reference_file.hpp"
 
 namespace palpate {
 namespace {
@@ -30,6 +34,66 @@ RecoveryResult recover_target(const PreparedReference& prepared, const TargetSta
     return result;
 }
 
+std::optional<SavedReference> read_saved(const RecoverOptions& options,
+                                         const ProgressSink& progress) {
+    if (options.load_reduced.empty()) return std::nullopt;
+    report_progress(progress, "reading", 0, options.load_reduced.filename().string());
+    return read_saved_reference(options.load_reduced);
+}
+
+std::vector<LabelledState> make_states(const std::vector<Segmentation>& targets,
+                                       const Settings& settings) {
+    std::vector<LabelledState> states;
+    for (const auto& target : targets) states.push_back(make_state(target, settings));
+    return states;
+}
+
+/// The reference, as far as the alignment needs it: with its surfaces, or as it was saved.
+ReferenceState start_reference(LabelledState state, const std::optional<SavedReference>& saved,
+                               const RecoverOptions& options, StageTimer& timer,
+                               const ProgressSink& progress) {
+    if (saved) {
+        check_same_reference(*saved, state, options.settings);
+        return reference_state(*saved, std::move(state));
+    }
+    timer.start("surfaces");
+    return make_reference(std::move(state), options, progress);
+}
+
+PreparedReference finish_reference(ReferenceState state, std::optional<SavedReference> saved,
+                                   const RecoverOptions& options, StageTimer& timer,
+                                   const ProgressSink& progress) {
+    if (!saved) return prepare_reference(std::move(state), options, timer, progress);
+    timer.start("loading");
+    const std::string name = saved->name;
+    PreparedReference prepared = restore(std::move(*saved), std::move(state), options.settings);
+    prepared.mechanics.condensation.solver.reason += ", read from a saved reduced model";
+    const Mechanics& mechanics = prepared.mechanics;
+    report_progress(
+        progress, "loading", 1,
+        fmt::format("{}: {} nodes, {} elements, {} wall motions, {} surface modes", name,
+                    prepared.mesh.mesh.num_nodes(), prepared.mesh.mesh.num_tets(),
+                    mechanics.response.num_functionals(), mechanics.response.num_modes()));
+    return prepared;
+}
+
+void save(const PreparedReference& prepared, const RecoverOptions& options, StageTimer& timer,
+          const ProgressSink& progress) {
+    if (options.save_reduced.empty()) return;
+    timer.start("saving");
+    report_progress(progress, "saving", 0, options.save_reduced.filename().string());
+    write_saved_reference(saved_form(prepared, options.settings), options.save_reduced);
+}
+
+/// Of the stages of `result` that follow those of `shared`.
+double seconds_after(const StageTimer& shared, const RecoveryResult& result) {
+    double sum = 0;
+    for (std::size_t k = shared.times_s().size(); k < result.timings_s.size(); ++k) {
+        sum += result.timings_s[k].second;
+    }
+    return sum;
+}
+
 }  // namespace
 
 Segmentation read_segmentation(const std::filesystem::path& path) {
@@ -38,32 +102,41 @@ Segmentation read_segmentation(const std::filesystem::path& path) {
 
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
                  const RecoverOptions& options, const ResultSink& sink,
-                 const ProgressSink& progress) {
-    const Settings& settings = options.settings;
+                 const ProgressSink& progress, const FailureSink& failed) {
     StageTimer timer;
     timer.start("reading");
+    std::optional<SavedReference> saved = read_saved(options, progress);
     report_progress(progress, "reading", 0, "smoothing the segmentations");
-    auto reading = std::async(std::launch::async, [&] {
-        std::vector<LabelledState> states;
-        for (const auto& target : targets) states.push_back(make_state(target, settings));
-        return states;
-    });
-    LabelledState reference_state = make_state(reference, settings);
+    auto reading =
+        std::async(std::launch::async, [&] { return make_states(targets, options.settings); });
+    LabelledState reference_state = make_state(reference, options.settings);
     std::vector<LabelledState> target_states = reading.get();
 
-    timer.start("surfaces");
-    ReferenceState state = make_reference(std::move(reference_state), options, progress);
-
+    ReferenceState state =
+        start_reference(std::move(reference_state), saved, options, timer, progress);
     timer.start("aligning");
     std::vector<TargetState> aligned;
     for (auto& target : target_states) {
         aligned.push_back(align_target(std::move(target), state, options, progress));
     }
-
     const PreparedReference prepared =
-        prepare_reference(std::move(state), options, timer, progress);
+        finish_reference(std::move(state), std::move(saved), options, timer, progress);
+    save(prepared, options, timer, progress);
+    timer.stop();
+
     for (std::size_t k = 0; k < aligned.size(); ++k) {
-        sink(k, recover_target(prepared, aligned[k], options, timer, progress));
+        if (aligned.size() > 1) {
+            report_progress(progress, fmt::format("target {}", k + 1), 0,
+                            fmt::format("of {}: {}", aligned.size(), aligned[k].state.name));
+        }
+        try {
+            RecoveryResult result = recover_target(prepared, aligned[k], options, timer, progress);
+            const double seconds = seconds_after(timer, result);
+            sink(k, std::move(result), seconds);
+        } catch (const Error& error) {
+            if (!failed) throw;
+            failed(k, error);
+        }
     }
 }
 
@@ -72,7 +145,7 @@ RecoveryResult recover(const Segmentation& reference, const Segmentation& target
     RecoveryResult only;
     recover_all(
         reference, {target}, options,
-        [&](std::size_t, RecoveryResult result) { only = std::move(result); }, progress);
+        [&](std::size_t, RecoveryResult result, double) { only = std::move(result); }, progress);
     return only;
 }
 

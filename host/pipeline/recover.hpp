@@ -15,6 +15,7 @@
 #include "host/modelling/settings.hpp"
 #include "host/pipeline/mechanics.hpp"
 #include "host/result/recovery_result.hpp"
+#include "solver/base/error.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
@@ -36,7 +37,11 @@ struct RecoverOptions {
     MechanicsOptions mechanics;
     SearchMethod method = SearchMethod::map;
     MapOptions search;
-    NestedOptions nested;  ///< for `nested_lbfgs`
+    NestedOptions nested;                ///< for `nested_lbfgs`
+    std::filesystem::path save_reduced;  ///< file for the mesh and the reduced model, or empty
+    /// Such a file, used instead of meshing and condensing, or empty. `mesh` and `mesher` are then
+    /// not read. Another reference or other settings than it was saved for: Error(input_unusable).
+    std::filesystem::path load_reduced;
 };
 
 /// A label volume and what messages and reports call it.
@@ -47,8 +52,13 @@ struct Segmentation {
 
 Segmentation read_segmentation(const std::filesystem::path& path);
 
-/// Receives the result of each target, in order.
-using ResultSink = std::function<void(std::size_t target, RecoveryResult result)>;
+/// Receives the result of each target, in order, and the seconds that it took beyond what is done
+/// once for all targets.
+using ResultSink =
+    std::function<void(std::size_t target, RecoveryResult result, double own_seconds)>;
+
+/// Receives the error that ended the work on one target.
+using FailureSink = std::function<void(std::size_t target, const Error& error)>;
 
 /// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section
 /// 1). Throws Error with the codes of each station; not converging is reported in the result.
@@ -56,9 +66,11 @@ RecoveryResult recover(const Segmentation& reference, const Segmentation& target
                        const RecoverOptions& options, const ProgressSink& progress = {});
 
 /// The same for several targets of one reference, which is meshed and condensed once. All targets
-/// are read and aligned before that, so that a wrong one is told early.
+/// are read and aligned before that, so that a wrong one is told early. An Error while one target
+/// is searched or its sink runs goes to `failed`, and the next target follows; without `failed`, to
+/// the caller.
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
                  const RecoverOptions& options, const ResultSink& sink,
-                 const ProgressSink& progress = {});
+                 const ProgressSink& progress = {}, const FailureSink& failed = {});
 
 }  // namespace palpate

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <random>
 
+#include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
 #include "host/report/html_report.hpp"
 #include "host/report/json_report.hpp"
@@ -160,13 +161,15 @@ void write_folder(const fs::path& folder, bool overwrite,
     sync_to_disk(target.parent_path());
 }
 
-void check_folder(const fs::path& folder, bool overwrite) {
+/// `mark`: the file that tells a folder of palpate from others.
+void check_folder(const fs::path& folder, const char* mark, bool overwrite) {
     const fs::path target = resolved(folder);
     if (fs::exists(target)) {
         if (!overwrite)
             fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
-        if (!fs::exists(target / "result.json"))
-            fail(folder, "holds no result of palpate (no result.json), so it is not replaced",
+        if (!fs::exists(target / mark))
+            fail(folder,
+                 fmt::format("holds no result of palpate (no {}), so it is not replaced", mark),
                  "choose another folder with --out");
     }
     fs::path parent = target.parent_path();
@@ -178,7 +181,19 @@ void check_folder(const fs::path& folder, bool overwrite) {
 }  // namespace
 
 void check_result_folder(const fs::path& folder, bool overwrite) {
-    with_clear_errors(folder, [&] { check_folder(folder, overwrite); });
+    with_clear_errors(folder, [&] { check_folder(folder, "result.json", overwrite); });
+}
+
+void check_targets_folder(const fs::path& folder, const std::vector<std::string>& names,
+                          bool overwrite) {
+    with_clear_errors(folder, [&] { check_folder(folder, targets_file_name, overwrite); });
+    for (const std::string& name : names) check_result_folder(folder / name, overwrite);
+}
+
+void write_targets_file(const fs::path& folder, const std::string& text) {
+    with_clear_errors(folder, [&] { fs::create_directories(folder); });
+    write_atomically(folder / targets_file_name,
+                     [&](const fs::path& temporary) { write_text_file(temporary, text); });
 }
 
 void write_folder_atomically(const fs::path& folder, bool overwrite,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "host/result/recovery_result.hpp"
 
@@ -25,6 +26,18 @@ void check_result_folder(const std::filesystem::path& folder, bool overwrite);
 /// Throws Error(output_failed) and leaves nothing behind.
 void write_result(const RecoveryResult& result, const std::filesystem::path& folder,
                   const ResultOptions& options = {});
+
+/// In the folder of a run with several targets, beside one result folder for each.
+inline constexpr const char* targets_file_name = "targets.csv";
+
+/// The same for a folder that will hold the result folders `names`. An existing one is used only
+/// with `overwrite`, and only if it holds a targets.csv; of what is in it, only the result folders
+/// `names` and targets.csv are replaced.
+void check_targets_folder(const std::filesystem::path& folder,
+                          const std::vector<std::string>& names, bool overwrite);
+
+/// Writes or replaces targets.csv. Missing folders are made. Throws Error(output_failed).
+void write_targets_file(const std::filesystem::path& folder, const std::string& text);
 
 /// Makes `folder` in one step: `fill` writes into a temporary sibling, every file is brought to
 /// disk (fsync), the sibling is renamed. If anything throws, the sibling is removed and nothing

@@ -179,5 +179,29 @@ TEST_F(ResultFolder, WhereTheSystemForbidsItIsRefused) {
     EXPECT_TRUE(holds(message, "--out")) << message;
 }
 
+TEST_F(ResultFolder, OfSeveralTargetsIsUsedAgainOnlyWhenAskedAndKeepsWhatIsNotItsOwn) {
+    write_targets_file(folder / "out", "first\n");
+    std::ofstream(folder / "out" / "notes.txt") << "mine";
+    std::filesystem::create_directory(folder / "out" / "two");
+    const auto check = [&](const std::vector<std::string>& names, bool overwrite) {
+        return refusal([&] { check_targets_folder(folder / "out", names, overwrite); });
+    };
+
+    write_targets_file(folder / "out", "second\n");
+
+    EXPECT_TRUE(holds(check({"one"}, false), "--overwrite"));
+    EXPECT_EQ(check({"one"}, true), "no error");
+    EXPECT_TRUE(holds(check({"one", "two"}, true), "no result.json"));
+    EXPECT_EQ(content_of(folder / "out" / "targets.csv"), "second\n");
+    EXPECT_EQ(names_in(folder / "out"), "notes.txt targets.csv two");
+}
+
+TEST_F(ResultFolder, OfOneTargetIsNotTakenForSeveral) {
+    write_folder_atomically(folder / "out", false, write_note);
+
+    EXPECT_TRUE(holds(refusal([&] { check_targets_folder(folder / "out", {"one"}, true); }),
+                      "no targets.csv"));
+}
+
 }  // namespace
 }  // namespace palpate

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/result/recovery_result.hpp"
+
+namespace palpate {
+
+/// One of several targets of a run, as the tables of all targets list it.
+struct TargetRow {
+    std::string name;                   ///< of its result folder
+    std::vector<RegionResult> unknown;  ///< regions whose modulus was estimated
+    bool converged = false;
+    double seconds = 0;  ///< of this target alone; NaN if it failed
+    std::string note;    ///< why it failed or did not converge, else empty
+};
+
+TargetRow target_row(std::string name, const RecoveryResult& result, double seconds);
+TargetRow failed_row(std::string name, const std::string& message);
+
+/// For a terminal: a line per target and unknown region, then the notes. Ends with a newline.
+std::string targets_table(const std::vector<TargetRow>& rows);
+/// The same for programs: target, region, stiffness_kpa, low_kpa, high_kpa, verdict, converged
+/// (1 or 0), seconds, note. A target without unknown region or without result has one line.
+std::string targets_csv(const std::vector<TargetRow>& rows);
+
+/// Names of the result folders of several targets: the file's name without its ending(s), with a
+/// number appended where another target has the same.
+std::vector<std::string> target_folder_names(const std::vector<std::filesystem::path>& targets);
+
+}  // namespace palpate

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""Several targets of one reference, and the reduced model saved for later ones."""
+import csv
+import json
+import shutil
+
+import pytest
+
+from tests.conftest import recover_arguments, run_palpate
+
+
+def prostate_kpa(folder):
+    report = json.loads((folder / "result.json").read_text())
+    return next(r for r in report["regions"] if r["name"] == "prostate")["stiffness_kpa"]
+
+
+def load_arguments(phantom, out, saved, *more, target=None):
+    return ["recover", phantom / "reference.nii.gz", target or phantom / "target.nii.gz", "--config",
+            phantom / "organs.toml", "--out", out, "--load-reduced", saved, *more]
+
+
+@pytest.fixture(scope="module")
+def two(phantom, tmp_path_factory):
+    """The phantom's target, and the reference itself as a target: nothing moved."""
+    folder = tmp_path_factory.mktemp("targets")
+    shutil.copy(phantom / "reference.nii.gz", folder / "still.nii.gz")
+    arguments = recover_arguments(phantom, folder / "out", "--save-reduced", folder / "saved.reduced")
+    arguments.insert(3, folder / "still.nii.gz")
+    return folder, run_palpate(*arguments)
+
+
+def test_every_target_gets_its_folder_and_its_lines(two):
+    folder, finished = two
+    assert finished.returncode in (0, 7), finished.stderr
+    assert {entry.name for entry in (folder / "out").iterdir()} == {"target", "still", "targets.csv"}
+    with open(folder / "out" / "targets.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["target"] for row in rows] == ["target", "still"]
+    assert float(rows[0]["stiffness_kpa"]) == pytest.approx(prostate_kpa(folder / "out" / "target"))
+    assert float(rows[0]["low_kpa"]) < float(rows[0]["stiffness_kpa"]) < float(rows[0]["high_kpa"])
+    assert rows[1]["verdict"] in ("weak", "not identifiable")
+    for word in ("Target", "prostate", "still", rows[0]["verdict"], "targets.csv"):
+        assert word in finished.stdout
+
+
+def test_a_saved_reduced_model_gives_the_same_modulus_without_meshing(phantom, two, tmp_path):
+    folder, _ = two
+    finished = run_palpate(*load_arguments(phantom, tmp_path / "out", folder / "saved.reduced"))
+    assert finished.returncode == 0, finished.stderr
+    assert prostate_kpa(tmp_path / "out") == prostate_kpa(folder / "out" / "target")
+    report = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert "loading" in report["timings_s"] and "loading" in finished.stderr
+    assert not {"surfaces", "meshing", "condensing", "compressing"} & set(report["timings_s"])
+    assert report["linear_solver"]["condensing"]["reason"].endswith("saved reduced model")
+
+
+def test_a_wrong_saved_reduced_model_is_refused(phantom, two, tmp_path):
+    folder, _ = two
+    config = tmp_path / "organs.toml"
+    text = (phantom / "organs.toml").read_text()
+    config.write_text(text.replace("stiffness_sd_ln = 1.2", "stiffness_sd_ln = 0.5"))
+    damaged = tmp_path / "damaged.reduced"
+    damaged.write_bytes((folder / "saved.reduced").read_bytes()[:-100])
+    out = tmp_path / "out"
+    for saved, more, code, word in (
+            (damaged, [], 3, "damaged"),
+            (phantom / "organs.toml", [], 3, "no saved reduced model"),
+            (folder / "saved.reduced", ["--nodes", 3000], 2, "--nodes")):
+        finished = run_palpate(*load_arguments(phantom, out, saved, "--quiet", *more))
+        assert finished.returncode == code, finished.stderr
+        assert word in finished.stderr and len(finished.stderr.strip().splitlines()) == 1
+    arguments = load_arguments(phantom, out, folder / "saved.reduced", "--quiet")
+    arguments[4] = config
+    finished = run_palpate(*arguments)
+    assert finished.returncode == 4 and "stiffness_sd_ln = 0.5" in finished.stderr, finished.stderr
+    assert not out.exists()
+
+
+def test_a_wrong_target_stops_before_anything_is_written(phantom, tmp_path):
+    arguments = recover_arguments(phantom, tmp_path / "out", "--save-reduced", tmp_path / "saved")
+    arguments.insert(3, "nowhere.nii.gz")
+    finished = run_palpate(*arguments)
+    assert finished.returncode == 3 and "nowhere.nii.gz" in finished.stderr
+    assert list(tmp_path.iterdir()) == []
