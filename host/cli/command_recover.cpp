@@ -25,6 +25,7 @@ struct RecoverArguments {
     SolverArguments solver;
     MesherArguments mesher;
     int max_iterations = MapOptions{}.max_iterations;
+    double start_kpa = MapOptions{}.start_kpa;
     double search_time_s = 0;
     bool overwrite = false, quiet = false, keep_file_names = false;
 };
@@ -46,6 +47,7 @@ RecoverOptions recover_options(const RecoverArguments& arguments) {
     options.mesher = mesher_options(arguments.mesher);
     options.solver = solver_options(arguments.solver);
     options.search.max_iterations = arguments.max_iterations;
+    options.search.start_kpa = arguments.start_kpa;
     options.method = arguments.method == "map" ? SearchMethod::map : SearchMethod::nested_lbfgs;
     options.nested.max_outer_iterations = arguments.max_iterations;
     options.nested.time_limit_s = arguments.search_time_s;
@@ -192,6 +194,10 @@ void add_recover(CLI::App& app, Run& run) {
         ->add_option("--search-time", arguments->search_time_s,
                      "Seconds after which nested-lbfgs stops with its best point; 0: no limit")
         ->check(CLI::NonNegativeNumber);
+    command
+        ->add_option("--start-kpa", arguments->start_kpa,
+                     "Stiffness at which the search starts (default: the prior's median)")
+        ->check(CLI::Range(0.1, 1e5));
     command->add_option("--max-iterations", arguments->max_iterations, "Of the search")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
