@@ -58,7 +58,8 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
     spread_root_ =
         model.significant_root(walls_.covariance_of(model.spread(), model.prior_covariance()));
     Eigen::MatrixXd motions(mean_.size(), rank() + 1);
-    motions << spread_root_, mean_;
+    motions.leftCols(rank()) = spread_root_;
+    motions.col(rank()) = mean_;
     for (const auto& region : model.regions()) {
         coupling_.emplace_back();
         if (region.coupling.size() > 0) coupling_.back() = region.coupling * motions;

@@ -86,16 +86,18 @@ public:
     ResponseModel exact() {
         const Index n = model_.driven_dofs();
         parts_.modes.setIdentity(model_.observed_dofs(), model_.observed_dofs());
-        parts_.functionals.setIdentity(n, n);
-        parts_.spread = prior_.covariance_times(parts_.functionals);
-        parts_.prior_covariance = parts_.spread;
-        parts_.influence.setOnes(n);
+        // Without observed nodes nothing that is seen depends on the functionals.
+        parts_.functionals.setIdentity(model_.observed_dofs() == 0 ? 0 : n, n);
+        parts_.spread = prior_.covariance_times(parts_.functionals.transpose());
+        parts_.prior_covariance = parts_.functionals * parts_.spread;
+        parts_.influence.setOnes(parts_.functionals.rows());
         for (const auto& region : model_.regions()) {
             Eigen::MatrixXd stiffness =
                 Eigen::MatrixXd::Zero(model_.observed_dofs(), model_.observed_dofs());
             model_.add_observed_product(region, 1.0, parts_.modes, stiffness);
-            parts_.regions.push_back({region.region, std::move(stiffness),
-                                      model_.unit_coupling_times(region, parts_.functionals)});
+            parts_.regions.push_back(
+                {region.region, std::move(stiffness),
+                 model_.unit_coupling_times(region, parts_.functionals.transpose())});
         }
         return std::move(result_);
     }
