@@ -19,6 +19,7 @@ constexpr double padding_mm = 6;         // beyond the image; further out the fi
 constexpr double stored_margin_mm = 10;  // round a region; further out the distance is added
 constexpr Index min_margin_voxels = 3;   // support of the spline and one sample more
 constexpr double absent_mm = 1e6;
+constexpr std::uint8_t near_interface = 255;
 
 Index margin_voxels(double margin_mm, double spacing) {
     return std::max(min_margin_voxels, static_cast<Index>(std::ceil(margin_mm / spacing)));
@@ -33,6 +34,18 @@ void check(const RegionImage& image, Index num_regions) {
         throw Error(ErrorCode::invalid_argument,
                     "the region image holds region " + std::to_string(highest) + " but only " +
                         std::to_string(num_regions) + " regions were announced");
+    }
+}
+
+/// Marks what lies within `reach` of another value along one line; a line goes on beyond its ends.
+void mark_ends_of_runs(std::uint8_t* line, Index length, std::size_t stride, Index reach) {
+    for (Index first = 0, end = 0; first < length; first = end) {
+        const std::uint8_t value = line[first * stride];
+        while (end < length && line[end * stride] == value) ++end;
+        const Index deep_first = first == 0 ? 0 : std::min(first + reach, end);
+        const Index deep_end = end == length ? length : std::max(end - reach, deep_first);
+        for (Index i = first; i < deep_first; ++i) line[i * stride] = near_interface;
+        for (Index i = deep_end; i < end; ++i) line[i * stride] = near_interface;
     }
 }
 
@@ -52,6 +65,7 @@ LabelField::LabelField(const RegionImage& image, Index num_regions, double smoot
         store_around(region, pad);
         build_region(image, region);
     }
+    find_deep_voxels(image);
 }
 
 void LabelField::find_boxes(const RegionImage& image) {
@@ -107,6 +121,25 @@ void LabelField::build_region(const RegionImage& image, Index region) {
     to_bspline_coefficients(box.size, coefficients_[region]);
 }
 
+/// Smoothing moves an interface by far less than three of its standard deviations.
+void LabelField::find_deep_voxels(const RegionImage& image) {
+    deep_ = image.voxels;
+    const std::array<std::size_t, 3> stride{1, std::size_t(grid_.size[0]),
+                                            std::size_t(grid_.size[0]) * grid_.size[1]};
+    for (int axis = 0; axis < 3; ++axis) {
+        const Index reach = static_cast<Index>(std::ceil(3 * smoothing_mm_ / grid_.spacing[axis]));
+        const int inner = axis == 0 ? 1 : 0, outer = 3 - axis - inner;
+        parallel_for(grid_.size[outer], [&](std::size_t begin, std::size_t end) {
+            for (std::size_t b = begin; b < end; ++b) {
+                for (Index a = 0; a < grid_.size[inner]; ++a) {
+                    mark_ends_of_runs(deep_.data() + b * stride[outer] + a * stride[inner],
+                                      grid_.size[axis], stride[axis], reach);
+                }
+            }
+        });
+    }
+}
+
 Vec3 LabelField::clamped_index(const Box& box, const Vec3& point, Vec3& beyond,
                                std::array<bool, 3>& held) const {
     const Vec3 index = grid_.to_index(point) - Vec3(box.low[0], box.low[1], box.low[2]);
@@ -126,6 +159,16 @@ double LabelField::value(Index region, const Vec3& point) const {
     std::array<bool, 3> held;
     const Vec3 index = clamped_index(boxes_[region], point, beyond, held);
     return bspline_value(boxes_[region].size, coefficients_[region].data(), index) + beyond.norm();
+}
+
+double LabelField::lower_bound(Index region, const Vec3& point) const {
+    if (!has_region(region)) return std::numeric_limits<double>::infinity();
+    Vec3 beyond;
+    std::array<bool, 3> held;
+    clamped_index(boxes_[region], point, beyond, held);
+    const double distance = beyond.norm();
+    // The stored samples end `stored_margin_mm` and more from the region.
+    return distance > 0 ? distance + 0.5 * stored_margin_mm : -absent_mm;
 }
 
 double LabelField::value(Index region, const Vec3& point, Vec3& gradient) const {
@@ -152,10 +195,18 @@ double LabelField::interface_value(Index a, Index b, const Vec3& point, Vec3* gr
 }
 
 Index LabelField::region_at(const Vec3& point) const {
+    if (inside_box(point)) {
+        const Vec3 index = grid_.to_index(point).array().round();
+        const std::uint8_t deep =
+            deep_[grid_.offset(std::clamp<Index>(Index(index[0]), 0, grid_.size[0] - 1),
+                               std::clamp<Index>(Index(index[1]), 0, grid_.size[1] - 1),
+                               std::clamp<Index>(Index(index[2]), 0, grid_.size[2] - 1))];
+        if (deep != near_interface) return deep;
+    }
     Index best = 0;
     double smallest = std::numeric_limits<double>::infinity();
     for (Index region = 0; region < num_regions(); ++region) {
-        if (!has_region(region)) continue;
+        if (lower_bound(region, point) >= smallest) continue;
         const double distance = value(region, point);
         if (distance < smallest) {
             smallest = distance;

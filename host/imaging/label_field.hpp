@@ -33,7 +33,10 @@ public:
 
     /// Smoothed signed distance of one region at a point (LPS mm); large and positive if absent.
     double value(Index region, const Vec3& point) const;
-    /// The same with its gradient (LPS, per mm).
+    /// A number that `value` is not below, found without evaluating it: for searches among regions.
+    /// Infinite if the region is absent.
+    double lower_bound(Index region, const Vec3& point) const;
+    /// The same as `value` with its gradient (LPS, per mm).
     double value(Index region, const Vec3& point, Vec3& gradient) const;
     /// Signed distance towards the interface between two regions: (value_a - value_b) / 2.
     double interface_value(Index a, Index b, const Vec3& point, Vec3* gradient = nullptr) const;
@@ -61,6 +64,7 @@ private:
     void find_boxes(const RegionImage& image);
     void store_around(Index region, const std::array<Index, 3>& pad);
     void build_region(const RegionImage& image, Index region);
+    void find_deep_voxels(const RegionImage& image);
     /// Index in the stored box, clamped to it; `beyond` receives the offset cut off (mm, grid axes)
     /// and `held` which axes were clamped.
     Vec3 clamped_index(const Box& box, const Vec3& point, Vec3& beyond,
@@ -70,6 +74,8 @@ private:
     double smoothing_mm_ = 0;
     std::vector<Box> boxes_;
     std::vector<std::vector<float>> coefficients_;  ///< per region, cubic B-spline coefficients
+    /// [num_voxels] the region where the voxels around leave no other one, else `near_interface`.
+    std::vector<std::uint8_t> deep_;
 };
 
 }  // namespace palpate

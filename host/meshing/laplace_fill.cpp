@@ -12,14 +12,20 @@ namespace {
 
 using Value = Eigen::Array3f;
 
+/// Unknown cells first <= i < end of one row.
+struct Run {
+    Index j = 0, k = 0, first = 0, end = 0;
+};
+
 /// Cell-centred grid of one level. Known cells hold Dirichlet values, unknown ones the solution.
 struct Level {
     std::array<Index, 3> size{};
     std::array<float, 3> weight{};         ///< 1 / h^2 per axis
     std::array<Index, 3> factor{1, 1, 1};  ///< 2 along the axes that this level halved
     std::vector<std::uint8_t> unknown;
-    std::vector<std::array<Index, 2>> span;  ///< [rows] first and last + 1 unknown i of each row
-    std::vector<Value> value, source;        ///< Laplacian(value) = source at unknown cells
+    std::vector<Run> runs;  ///< all unknown cells
+    std::size_t num_unknown = 0;
+    std::vector<Value> value, source;  ///< Laplacian(value) = source at unknown cells
 
     std::size_t row(Index j, Index k) const {
         return std::size_t(size[0]) * (std::size_t(j) + std::size_t(size[1]) * k);
@@ -27,16 +33,28 @@ struct Level {
     Index num_rows() const { return size[1] * size[2]; }
 };
 
-void find_spans(Level& level) {
-    level.span.assign(level.num_rows(), {0, 0});
+void find_runs(Level& level) {
     for (Index r = 0; r < level.num_rows(); ++r) {
-        const auto* begin = level.unknown.data() + std::size_t(r) * level.size[0];
+        const Index j = r % level.size[1], k = r / level.size[1];
+        const auto* begin = level.unknown.data() + level.row(j, k);
         const auto* end = begin + level.size[0];
-        const auto* first = std::find(begin, end, 1);
-        if (first == end) continue;
-        const auto* last = end;
-        while (last[-1] == 0) --last;
-        level.span[r] = {Index(first - begin), Index(last - begin)};
+        for (const auto* first = std::find(begin, end, 1); first != end;) {
+            const auto* last = std::find(first, end, 0);
+            level.runs.push_back({j, k, Index(first - begin), Index(last - begin)});
+            level.num_unknown += std::size_t(last - first);
+            first = std::find(last, end, 1);
+        }
+    }
+}
+
+/// Calls body(first, end) for pieces of the level's runs, on all cores where that pays.
+template <typename Body>
+void for_runs(const Level& level, const Body& body) {
+    constexpr std::size_t worth_threads = 200000;  // cells
+    if (level.num_unknown < worth_threads) {
+        body(std::size_t(0), level.runs.size());
+    } else {
+        parallel_for(level.runs.size(), body);
     }
 }
 
@@ -71,14 +89,12 @@ struct Stencil {
 /// One Gauss-Seidel pass over the cells with (i + j + k) % 2 == colour; returns the largest change.
 float relax_colour(Level& level, Index colour) {
     const Stencil stencil(level);
-    std::vector<float> change(level.num_rows(), 0.0f);
-    parallel_for(level.num_rows(), [&](Index begin, Index end) {
-        for (Index r = begin; r < end; ++r) {
-            const Index j = r % level.size[1], k = r / level.size[1];
+    std::vector<float> change(level.runs.size(), 0.0f);
+    for_runs(level, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) {
+            const auto [j, k, first, last] = level.runs[r];
             const std::size_t row = level.row(j, k);
-            const Index first = level.span[r][0];
-            for (Index i = first + ((first + j + k + colour) & 1); i < level.span[r][1]; i += 2) {
-                if (!level.unknown[row + i]) continue;
+            for (Index i = first + ((first + j + k + colour) & 1); i < last; i += 2) {
                 float total;
                 const Value sum = stencil.neighbours(i, j, k, row + i, total);
                 if (total == 0) continue;
@@ -88,7 +104,7 @@ float relax_colour(Level& level, Index colour) {
             }
         }
     });
-    return *std::max_element(change.begin(), change.end());
+    return change.empty() ? 0.0f : *std::max_element(change.begin(), change.end());
 }
 
 float relax(Level& level, int passes) {
@@ -150,7 +166,7 @@ Level coarse_level(const Level& fine) {
             }
         }
     });
-    find_spans(coarse);
+    find_runs(coarse);
     return coarse;
 }
 
@@ -158,13 +174,11 @@ Level coarse_level(const Level& fine) {
 /// known cell has no error.
 void restrict_residual(const Level& fine, Level& coarse) {
     const Stencil stencil(fine);
-    parallel_for(coarse.num_rows(), [&](Index begin, Index end) {
-        for (Index r = begin; r < end; ++r) {
-            const Index j = r % coarse.size[1], k = r / coarse.size[1];
-            const std::size_t row = coarse.row(j, k);
-            std::fill_n(coarse.value.begin() + row, coarse.size[0], Value::Zero());
-            for (Index i = coarse.span[r][0]; i < coarse.span[r][1]; ++i) {
-                if (!coarse.unknown[row + i]) continue;
+    std::fill(coarse.value.begin(), coarse.value.end(), Value::Zero());
+    for_runs(coarse, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) {
+            const auto [j, k, first, last] = coarse.runs[r];
+            for (Index i = first; i < last; ++i) {
                 Value sum = Value::Zero();
                 int count = 0;
                 for_children(fine, coarse, i, j, k, [&](std::size_t at) {
@@ -176,7 +190,7 @@ void restrict_residual(const Level& fine, Level& coarse) {
                     sum += fine.source[at] - (near - total * fine.value[at]);
                     ++count;
                 });
-                coarse.source[row + i] = sum / float(count);
+                coarse.source[coarse.row(j, k) + i] = sum / float(count);
             }
         }
     });
@@ -205,12 +219,11 @@ Value interpolate(const Level& coarse, std::array<Index, 3> cell) {
 
 /// value = keep * value + (the coarse level interpolated) at the unknown cells.
 void prolongate(const Level& coarse, Level& fine, float keep) {
-    parallel_for(fine.num_rows(), [&](Index begin, Index end) {
-        for (Index r = begin; r < end; ++r) {
-            const Index j = r % fine.size[1], k = r / fine.size[1];
+    for_runs(fine, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) {
+            const auto [j, k, first, last] = fine.runs[r];
             const std::size_t row = fine.row(j, k);
-            for (Index i = fine.span[r][0]; i < fine.span[r][1]; ++i) {
-                if (!fine.unknown[row + i]) continue;
+            for (Index i = first; i < last; ++i) {
                 fine.value[row + i] = keep * fine.value[row + i] + interpolate(coarse, {i, j, k});
             }
         }
@@ -240,7 +253,7 @@ Level finest_level(const Image<Vec3>& image, const std::vector<std::uint8_t>& un
     for (std::size_t v = 0; v < unknown.size(); ++v) {
         level.value[v] = unknown[v] ? Value::Zero() : Value(image.voxels[v].cast<float>());
     }
-    find_spans(level);
+    find_runs(level);
     return level;
 }
 
@@ -256,10 +269,7 @@ void laplace_fill(Image<Vec3>& image, const std::vector<std::uint8_t>& unknown, 
 
     std::vector<Level> levels;
     levels.push_back(finest_level(image, unknown));
-    const auto has_unknown = [](const Level& level) {
-        return std::find(level.unknown.begin(), level.unknown.end(), 1) != level.unknown.end();
-    };
-    while (has_unknown(levels.back()) &&
+    while (levels.back().num_unknown > 0 &&
            *std::max_element(levels.back().size.begin(), levels.back().size.end()) > 2) {
         levels.push_back(coarse_level(levels.back()));
     }

@@ -17,6 +17,7 @@ namespace palpate {
 namespace {
 
 constexpr double max_samples = 4e6;
+constexpr double exact_reach_mm = 4;  ///< beyond it a tenth of a millimetre does not matter
 
 /// Signed distance towards the interface of one region with whatever else is nearest.
 class RegionLevel {
@@ -41,7 +42,7 @@ private:
         Index best = region_ == 0 ? 1 : 0;
         double smallest = 1e300;
         for (Index other = 0; other < field_.num_regions(); ++other) {
-            if (other == region_ || !field_.has_region(other)) continue;
+            if (other == region_ || field_.lower_bound(other, x) >= smallest) continue;
             const double value = field_.value(other, x);
             if (value < smallest) {
                 smallest = value;
@@ -121,14 +122,13 @@ std::vector<float> sample_level(const LabelField& field, Index region, const Reg
 /// point (a step of Newton's method), near the surface, where it matters.
 void correct_for_facets(const Surface& surface, const RegionLevel& level, const ImageGrid& grid,
                         const NearestTriangles& nearest, std::vector<float>& distances) {
-    constexpr double reach_mm = 8;
     const double most = 0.3 * grid.spacing[0];
     parallel_for(grid.size[2], [&](std::size_t begin, std::size_t end) {
         for (Index k = Index(begin); k < Index(end); ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {
                     const std::size_t n = grid.offset(i, j, k);
-                    if (nearest.distance[n] > reach_mm) continue;
+                    if (nearest.distance[n] > exact_reach_mm) continue;
                     const Triangle& t = surface.triangles[nearest.triangle[n]];
                     const Vec3 closest = closest_point_of_triangle(
                         grid.to_point(Vec3(i, j, k)), surface.vertices[t[0]],
@@ -146,7 +146,7 @@ void correct_for_facets(const Surface& surface, const RegionLevel& level, const 
 /// Replaces each sample of the level by the signed distance to its zero.
 void replace_by_distance(const Surface& surface, const RegionLevel& level, const ImageGrid& grid,
                          std::vector<float>& samples) {
-    const NearestTriangles nearest = nearest_triangles(surface, grid);
+    const NearestTriangles nearest = nearest_triangles(surface, grid, exact_reach_mm);
     for (std::size_t n = 0; n < samples.size(); ++n) {
         samples[n] = std::copysign(nearest.distance[n], samples[n]);
     }

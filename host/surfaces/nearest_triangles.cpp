@@ -14,17 +14,24 @@ namespace {
 
 class Propagation {
 public:
-    Propagation(const Surface& surface, const ImageGrid& grid) : grid_(grid) {
+    Propagation(const Surface& surface, const ImageGrid& grid, double reach_mm)
+        : grid_(grid), reach_(static_cast<float>(reach_mm)) {
         nearest.distance.assign(grid.num_voxels(), std::numeric_limits<float>::infinity());
         nearest.triangle.assign(grid.num_voxels(), -1);
+        closest_.resize(grid.num_voxels());
         // Corners in the frame of the grid, mm: points are then multiples of the spacing.
         corners_.reserve(surface.triangles.size());
+        balls_.reserve(surface.triangles.size());
         for (const Triangle& t : surface.triangles) {
             std::array<Vec3, 3> corners;
             for (int v = 0; v < 3; ++v) {
                 corners[v] = grid.to_index(surface.vertices[t[v]]).cwiseProduct(grid.spacing);
             }
             corners_.push_back(corners);
+            const Vec3 centre = (corners[0] + corners[1] + corners[2]) / 3;
+            double radius = 0;
+            for (const Vec3& corner : corners) radius = std::max(radius, (corner - centre).norm());
+            balls_.push_back({centre.cast<float>(), static_cast<float>(1.0001 * radius)});
         }
     }
 
@@ -77,32 +84,56 @@ public:
     NearestTriangles nearest;
 
 private:
+    using Point = Eigen::Vector3f;  // in the frame of the grid, mm
+    struct Ball {                   // that holds a triangle
+        Point centre;
+        float radius;
+    };
+
     void take_from(std::size_t neighbour, std::size_t n, const std::array<Index, 3>& p, int axis) {
         const Index t = nearest.triangle[neighbour];
         if (t < 0 || t == nearest.triangle[n]) return;
-        if (nearest.distance[neighbour] - grid_.spacing[axis] >= nearest.distance[n]) return;
-        try_triangle(t, n, p);
-    }
-
-    void try_triangle(Index t, std::size_t n, const std::array<Index, 3>& p) {
-        const Vec3 point = Vec3(p[0], p[1], p[2]).cwiseProduct(grid_.spacing);
-        const auto& [a, b, c] = corners_[t];
-        const auto distance =
-            static_cast<float>((closest_point_of_triangle(point, a, b, c) - point).norm());
-        if (distance < nearest.distance[n]) {
-            nearest.distance[n] = distance;
-            nearest.triangle[n] = t;
+        const float there = nearest.distance[neighbour];
+        if (there - static_cast<float>(grid_.spacing[axis]) >= nearest.distance[n]) return;
+        if (there > reach_) {
+            const Point point = at(p).cast<float>();
+            offer(t, n, closest_[neighbour], (closest_[neighbour] - point).norm());
+        } else {
+            try_triangle(t, n, p);
         }
     }
 
+    void try_triangle(Index t, std::size_t n, const std::array<Index, 3>& p) {
+        const Vec3 point = at(p);
+        const float limit = nearest.distance[n] + balls_[t].radius;
+        if ((point.cast<float>() - balls_[t].centre).squaredNorm() > limit * limit) return;
+        const auto& [a, b, c] = corners_[t];
+        const Vec3 closest = closest_point_of_triangle(point, a, b, c);
+        offer(t, n, closest.cast<float>(), static_cast<float>((closest - point).norm()));
+    }
+
+    void offer(Index t, std::size_t n, const Point& closest, float distance) {
+        if (distance >= nearest.distance[n]) return;
+        nearest.distance[n] = distance;
+        nearest.triangle[n] = t;
+        closest_[n] = closest;
+    }
+
+    Vec3 at(const std::array<Index, 3>& p) const {
+        return Vec3(p[0], p[1], p[2]).cwiseProduct(grid_.spacing);
+    }
+
     const ImageGrid& grid_;
+    float reach_;
+    std::vector<Ball> balls_;
+    std::vector<Point> closest_;
     std::vector<std::array<Vec3, 3>> corners_;
 };
 
 }  // namespace
 
-NearestTriangles nearest_triangles(const Surface& surface, const ImageGrid& grid) {
-    Propagation propagation(surface, grid);
+NearestTriangles nearest_triangles(const Surface& surface, const ImageGrid& grid, double reach_mm) {
+    Propagation propagation(surface, grid, reach_mm);
     propagation.start();
     for (int direction = 0; direction < 8; ++direction) propagation.sweep(direction);
     return std::move(propagation.nearest);
