@@ -153,10 +153,10 @@ State Search::search_line(const State& from, const Eigen::VectorXd& driven,
 State Search::accelerated_step(const State& from, const ModulusMinimum& best,
                                AndersonAcceleration& acceleration, bool& improved) const {
     const Index n = model_.driven_dofs();
-    const double determinant_change = best.evaluation.log_determinant - best.start_log_determinant;
+    const double determinant_change = best.log_determinant - best.start_log_determinant;
     Eigen::VectorXd point(n + from.theta.size()), step(point.size());
     point << from.driven, mm_per_unit_ln * from.theta;
-    step << best.evaluation.driven - from.driven, mm_per_unit_ln * (best.theta - from.theta);
+    step << best.fit.driven - from.driven, mm_per_unit_ln * (best.theta - from.theta);
     const Eigen::VectorXd proposal = acceleration.next(point, step);
     improved = true;
     if (acceleration.has_history()) {
@@ -169,7 +169,7 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
         acceleration.reset();
     }
     double length = 0;
-    State next = search_line(from, best.evaluation.driven, best.theta, determinant_change, length);
+    State next = search_line(from, best.fit.driven, best.theta, determinant_change, length);
     improved = length > 0;
     return next;
 }
@@ -177,15 +177,15 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
 /// Half the Gauss-Newton step, whatever the objective says: where closest points jump between the
 /// facets of a target, the objective has kinks at which no line search goes down.
 State Search::blind_step(const State& from, const ModulusMinimum& best) const {
-    return state_at(0.5 * (from.driven + best.evaluation.driven), 0.5 * (from.theta + best.theta));
+    return state_at(0.5 * (from.driven + best.fit.driven), 0.5 * (from.theta + best.theta));
 }
 
 /// sigma_n^2 such that the observed residual has the size that its own model predicts:
 /// E[r^T R^-1 r] = trace(R C^-1) for r = R C^-1 e. Returns whether it changed by more than 2 %.
 bool Search::update_noise(const ModulusMinimum& best) {
-    if (!options_.estimate_noise || best.evaluation.effective_rows < 1) return false;
-    const double factor = std::clamp(
-        std::sqrt(best.evaluation.weighted_misfit / best.evaluation.effective_rows), 0.5, 2.0);
+    if (!options_.estimate_noise || best.fit.effective_rows < 1) return false;
+    const double factor =
+        std::clamp(std::sqrt(best.fit.weighted_misfit / best.fit.effective_rows), 0.5, 2.0);
     if (std::abs(factor - 1.0) < 0.02) return false;
     noise_.set_scale(std::clamp(noise_.scale() * factor, options_.smallest_noise_scale, 20.0));
     return true;
@@ -194,7 +194,7 @@ bool Search::update_noise(const ModulusMinimum& best) {
 void Search::record(int iteration, const State& state, const ModulusMinimum& best, double step) {
     IterationRecord entry;
     entry.iteration = iteration;
-    entry.objective = state.objective + 0.5 * best.evaluation.log_determinant;
+    entry.objective = state.objective + 0.5 * best.log_determinant;
     entry.gradient_norm = best.gradient_norm;
     entry.step = step;
     std::string text;
@@ -227,7 +227,7 @@ MapEstimate Search::run() {
         if (k == 1) state = state_at(state.driven, start);
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
-        const double moved = largest(best.evaluation.driven - state.driven);
+        const double moved = largest(best.fit.driven - state.driven);
         const Eigen::VectorXd theta_before = state.theta;
         bool improved = true;
         state = accelerated_step(state, best, acceleration, improved);

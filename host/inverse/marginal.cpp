@@ -17,13 +17,19 @@ std::vector<Index> regions_of(const std::vector<ModulusPrior>& priors) {
 }  // namespace
 
 // The wall motion that is left free by the walls' own data, c = N m + P w with w ~ N(0, 1): all
-// products are made with P, whose rank is far below the number of functionals.
+// products are made with P, whose rank is below the number of functionals. The rows enter through
+//   I = V^T G_o^T R^-1 G_o V:   B = -R^-1/2 G_o V X = R^-1/2 J P,   B^T B = X^T I X.
 struct LinearisedProblem::Response {
     std::vector<double> kpa;                  // by region
     Eigen::LLT<Eigen::MatrixXd> equilibrium;  // of S(E)
-    Eigen::MatrixXd shapes;                   // S^-1 T [P | N m], [modes, rank + 1]
-    Eigen::MatrixXd weighted;                 // B = J P [rows, rank], whitened
+    Eigen::MatrixXd shapes;                   // [X | s] = S^-1 T [P | N m], [modes, rank + 1]
+    Eigen::MatrixXd informed;                 // I [X | s]
     Eigen::LLT<Eigen::MatrixXd> inner;        // of M = 1 + B^T B
+    // With all rows whitened by R^-1/2, C^-1 = 1 - B M^-1 B^T, and M has the rank of the free wall
+    // motion (Woodbury); e = y + G_o V s, alpha = C^-1 e = e - B w.
+    Eigen::VectorXd motion;  // w = M^-1 B^T e = B^T alpha
+    Eigen::VectorXd pull;    // V^T G_o^T alpha
+    double misfit = 0;       // e^T alpha
 };
 
 LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior& prior,
@@ -35,25 +41,7 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
       walls_(prior, rows, driven),
       priors_(priors),
       unknown_(regions_of(priors)) {
-    const auto count =
-        std::count_if(rows.begin(), rows.end(), [](const auto& row) { return !row.on_driven; });
-    seen_modes_.resize(count, model.num_modes());
-    target_.resize(count);
-    Eigen::MatrixXd noise(count, count);
-    std::vector<const LinearRow*> seen;
-    for (const auto& row : rows) {
-        if (row.on_driven) continue;
-        const Index j = static_cast<Index>(seen.size());
-        seen_modes_.row(j) = row.normal.transpose() * model.modes().middleRows<3>(3 * row.position);
-        target_[j] = row.normal.dot(observed.segment<3>(3 * row.position)) - row.residual_mm;
-        for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
-        noise(j, j) = noise_variance(row);
-        seen.push_back(&row);
-    }
-    const auto noise_factor = cholesky(noise, "covariance of the noise");
-    noise_factor.matrixL().solveInPlace(seen_modes_);
-    noise_factor.matrixL().solveInPlace(target_);
-    noise_log_determinant_ = 2.0 * noise_factor.matrixLLT().diagonal().array().log().sum();
+    read_rows(rows, observed);
     mean_ = model.functionals() * walls_.mean();
     spread_root_ =
         model.significant_root(walls_.covariance_of(model.spread(), model.prior_covariance()));
@@ -64,6 +52,34 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
         coupling_.emplace_back();
         if (region.coupling.size() > 0) coupling_.back() = region.coupling * motions;
     }
+}
+
+void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
+                                  const Eigen::VectorXd& observed) {
+    std::vector<const LinearRow*> seen;
+    for (const auto& row : rows) {
+        if (!row.on_driven) seen.push_back(&row);
+    }
+    num_rows_ = static_cast<Index>(seen.size());
+    Eigen::MatrixXd seen_modes(num_rows_, model_.num_modes());  // G_o V
+    Eigen::VectorXd target(num_rows_);
+    Eigen::MatrixXd noise(num_rows_, num_rows_);
+    for (Index j = 0; j < num_rows_; ++j) {
+        const LinearRow& row = *seen[j];
+        seen_modes.row(j) = row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
+        target[j] = row.normal.dot(observed.segment<3>(3 * row.position)) - row.residual_mm;
+        for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
+        noise(j, j) = noise_variance(row);
+    }
+    const auto noise_factor = cholesky(noise, "covariance of the noise");
+    noise_factor.matrixL().solveInPlace(seen_modes);
+    noise_factor.matrixL().solveInPlace(target);
+    noise_log_determinant_ = 2.0 * noise_factor.matrixLLT().diagonal().array().log().sum();
+    information_.setZero(model_.num_modes(), model_.num_modes());
+    information_.selfadjointView<Eigen::Lower>().rankUpdate(seen_modes.transpose());
+    information_.triangularView<Eigen::StrictlyUpper>() = information_.transpose();
+    pull_of_target_ = seen_modes.transpose() * target;
+    target_misfit_ = target.squaredNorm();
 }
 
 LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& theta) const {
@@ -77,10 +93,21 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
         response.shapes += response.kpa[model_.regions()[r].region] * coupling_[r];
     }
     response.equilibrium.solveInPlace(response.shapes);
-    response.weighted = -(seen_modes_ * response.shapes.leftCols(rank()));
-    Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(rank(), rank());
-    inner.selfadjointView<Eigen::Lower>().rankUpdate(response.weighted.transpose());
+    response.informed = information_ * response.shapes;
+    Eigen::MatrixXd inner(rank(), rank());
+    inner.triangularView<Eigen::Lower>() =
+        response.shapes.leftCols(rank()).transpose() * response.informed.leftCols(rank());
+    inner.diagonal().array() += 1.0;
     response.inner = cholesky(inner, "covariance of the observed surface");
+
+    const auto mean_shape = response.shapes.col(rank());
+    const Eigen::VectorXd pull_of_error = pull_of_target_ + response.informed.col(rank());
+    const Eigen::VectorXd seen_error =  // B^T e
+        -(response.shapes.leftCols(rank()).transpose() * pull_of_error);
+    response.motion = response.inner.solve(seen_error);
+    response.pull = pull_of_error + response.informed.leftCols(rank()) * response.motion;
+    response.misfit = target_misfit_ + mean_shape.dot(pull_of_target_ + pull_of_error) -
+                      response.motion.dot(seen_error);
     return response;
 }
 
@@ -93,44 +120,42 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
         result.objective += 0.5 * z * z;
         result.gradient[k] = z / priors_[k].sd_ln;
     }
-    result.driven = walls_.mean();
     if (num_observed_rows() == 0) return result;
-
-    // Whitened, C^-1 = 1 - B M^-1 B^T, and M has the rank of the free wall motion (Woodbury).
     const Response response = respond(theta);
-    const Eigen::VectorXd error = target_ + seen_modes_ * response.shapes.col(rank());
-    const Eigen::VectorXd inner = response.inner.solve(response.weighted.transpose() * error);
-    const Eigen::VectorXd alpha = error - response.weighted * inner;
     result.log_determinant =
         noise_log_determinant_ + 2.0 * response.inner.matrixLLT().diagonal().array().log().sum();
-    result.objective += 0.5 * error.dot(alpha) + 0.5 * result.log_determinant;
-    result.weighted_misfit = alpha.squaredNorm();
+    result.objective += 0.5 * response.misfit + 0.5 * result.log_determinant;
+    if (with_gradient) add_gradient(response, result.gradient);
+    return result;
+}
+
+// u_d = m + H^-1 N^T J^T alpha, J^T alpha = -T^T S^-1 V^T G_o^T alpha.
+LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) const {
+    Fit result;
+    result.driven = walls_.mean();
+    if (num_observed_rows() == 0) return result;
+    const Response response = respond(theta);
+    result.weighted_misfit = response.misfit - response.motion.squaredNorm();  // |alpha|^2
     Eigen::MatrixXd root_inverse = Eigen::MatrixXd::Identity(rank(), rank());
     response.inner.matrixL().solveInPlace(root_inverse);
     result.effective_rows =
         static_cast<double>(num_observed_rows() - rank()) + root_inverse.squaredNorm();
-
-    // u_d = m + H^-1 N^T J^T alpha, J^T alpha = -T^T S^-1 V^T G_o^T alpha.
-    const Eigen::VectorXd seen_alpha = seen_modes_.transpose() * alpha;
-    const Eigen::VectorXd pull =
-        -(model_.coupling(response.kpa).transpose() * response.equilibrium.solve(seen_alpha));
-    result.driven += walls_.conditioned(model_.spread() * pull);
-    if (with_gradient) add_gradient(response, alpha, seen_alpha, result.gradient);
+    const Eigen::VectorXd force =
+        -(model_.coupling(response.kpa).transpose() * response.equilibrium.solve(response.pull));
+    result.driven += walls_.conditioned(model_.spread() * force);
     return result;
 }
 
-// With dJ = -G_o V dX, dX = S^-1 (T' - S' X), and the most probable motion c = N m + P w,
-// w = P^T J^T alpha = B^T alpha:
+// With dJ = -G_o V dX, dX = S^-1 (T' - S' X), and the most probable motion c = N m + P w:
 //   dF = <dJ, W>,  W = C^-1 J P P^T - alpha c^T = (B M^-1 - alpha w^T) P^T - alpha (N m)^T.
-// In the columns [P | N m] of `shapes` and `coupling_`, W is [B M^-1 - alpha w^T | -alpha].
-void LinearisedProblem::add_gradient(const Response& response, const Eigen::VectorXd& alpha,
-                                     const Eigen::VectorXd& seen_alpha,
-                                     Eigen::VectorXd& gradient) const {
+// In the columns [P | N m] of `shapes` and `coupling_`, W is [B M^-1 - alpha w^T | -alpha], and
+// V^T G_o^T B = -I X.
+void LinearisedProblem::add_gradient(const Response& response, Eigen::VectorXd& gradient) const {
     Eigen::MatrixXd adjoint(model_.num_modes(), rank() + 1);
     adjoint.leftCols(rank()) =
-        response.inner.solve((seen_modes_.transpose() * response.weighted).transpose()).transpose();
-    adjoint.leftCols(rank()) -= seen_alpha * (response.weighted.transpose() * alpha).transpose();
-    adjoint.col(rank()) = -seen_alpha;
+        -response.inner.solve(response.informed.leftCols(rank()).transpose()).transpose();
+    adjoint.leftCols(rank()) -= response.pull * response.motion.transpose();
+    adjoint.col(rank()) = -response.pull;
     response.equilibrium.solveInPlace(adjoint);
     const Eigen::MatrixXd moment = adjoint * response.shapes.transpose();
     for (Index k = 0; k < num_unknown(); ++k) {
@@ -154,11 +179,12 @@ Eigen::MatrixXd LinearisedProblem::motion_covariance(const Eigen::VectorXd& thet
     const Eigen::MatrixXd by_walls = functionals.transpose() * conditioned;
     if (num_observed_rows() == 0) return by_walls;
     const Response response = respond(theta);
+    const Eigen::MatrixXd moved = response.equilibrium.solve(model_.coupling(response.kpa) *
+                                                             (model_.functionals() * conditioned));
     const Eigen::MatrixXd seen =
-        seen_modes_ * response.equilibrium.solve(model_.coupling(response.kpa) *
-                                                 (model_.functionals() * conditioned));
-    const Eigen::MatrixXd inner = response.inner.solve(response.weighted.transpose() * seen);
-    return by_walls - seen.transpose() * (seen - response.weighted * inner);
+        response.informed.leftCols(rank()).transpose() * moved;  // B^T J ..
+    return by_walls - moved.transpose() * (information_ * moved) +
+           seen.transpose() * response.inner.solve(seen);
 }
 
 Eigen::MatrixXd LinearisedProblem::hessian(const Eigen::VectorXd& theta) const {

@@ -39,7 +39,9 @@ public:
     struct Evaluation {
         double objective = 0;        ///< F
         double log_determinant = 0;  ///< ln det C, part of F
-        Eigen::VectorXd gradient;    ///< dF/dtheta [num unknown], empty if not asked for
+        Eigen::VectorXd gradient;    ///< dF/dtheta [num unknown], zero if not asked for
+    };
+    struct Fit {
         Eigen::VectorXd driven;      ///< most probable u_d at theta [driven_dofs]
         double weighted_misfit = 0;  ///< r^T R^-1 r of the observed residual r = R C^-1 e there
         double effective_rows = 0;   ///< trace of R C^-1: rows that the fit does not use up
@@ -47,6 +49,7 @@ public:
 
     /// theta: ln E of the unknown regions, in the order of the priors.
     Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const;
+    Fit fit(const Eigen::VectorXd& theta) const;
     /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
     /// at theta, all data seen; functionals [driven_dofs, n].
     Eigen::MatrixXd motion_covariance(const Eigen::VectorXd& theta,
@@ -57,23 +60,26 @@ public:
     Index num_unknown() const { return static_cast<Index>(priors_.size()); }
     /// Of the free wall motion: how many combinations of functionals the walls leave open.
     Index rank() const { return static_cast<Index>(spread_root_.cols()); }
-    Index num_observed_rows() const { return static_cast<Index>(target_.size()); }
+    Index num_observed_rows() const { return num_rows_; }
     const std::vector<ModulusPrior>& priors() const { return priors_; }
 
 private:
     struct Response;
+    void read_rows(const std::vector<LinearRow>& rows, const Eigen::VectorXd& observed);
     Response respond(const Eigen::VectorXd& theta) const;
-    void add_gradient(const Response& response, const Eigen::VectorXd& alpha,
-                      const Eigen::VectorXd& seen_alpha, Eigen::VectorXd& gradient) const;
+    void add_gradient(const Response& response, Eigen::VectorXd& gradient) const;
 
     const ResponseModel& model_;
     const WallPrior& prior_;
     WallPosterior walls_;
     std::vector<ModulusPrior> priors_;
     std::vector<Index> unknown_;  ///< regions of `priors_`
-    // Rows are whitened: multiplied by the inverse of the Cholesky factor of R.
-    Eigen::MatrixXd seen_modes_;        ///< G_o V [rows, modes]
-    Eigen::VectorXd target_;            ///< y
+    // Of the observed rows only products are kept, weighted by R^-1: no evaluation touches the
+    // rows.
+    Index num_rows_ = 0;
+    Eigen::MatrixXd information_;       ///< V^T G_o^T R^-1 G_o V [modes, modes]
+    Eigen::VectorXd pull_of_target_;    ///< V^T G_o^T R^-1 y [modes]
+    double target_misfit_ = 0;          ///< y^T R^-1 y
     double noise_log_determinant_ = 0;  ///< ln det R
     Eigen::VectorXd mean_;              ///< N m
     Eigen::MatrixXd spread_root_;       ///< P [functionals, rank], P P^T = N H^-1 N^T

@@ -79,12 +79,9 @@ ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::Ve
     minimum.theta = start;
     auto here = problem.evaluate(start, true);
     minimum.start_log_determinant = here.log_determinant;
-    if (problem.num_unknown() == 0) {
-        minimum.evaluation = std::move(here);
-        return minimum;
-    }
+    const int most = problem.num_unknown() == 0 ? 0 : most_steps;
     minimum.hessian = hessian.size() > 0 ? hessian : problem.hessian(start);
-    for (; minimum.steps < most_steps; ++minimum.steps) {
+    for (; minimum.steps < most; ++minimum.steps) {
         const Eigen::MatrixXd safe = made_definite(minimum.hessian, problem.priors());
         Eigen::VectorXd step = -safe.llt().solve(here.gradient);
         minimum.gradient_norm = std::sqrt(std::max(0.0, -here.gradient.dot(step)));
@@ -104,7 +101,8 @@ ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::Ve
         minimum.theta = next;
         here = std::move(there);
     }
-    minimum.evaluation = std::move(here);
+    minimum.log_determinant = here.log_determinant;
+    minimum.fit = problem.fit(minimum.theta);
     return minimum;
 }
 

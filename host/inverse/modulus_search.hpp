@@ -15,10 +15,11 @@ Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBound
 
 struct ModulusMinimum {
     Eigen::VectorXd theta;
-    Eigen::MatrixXd hessian;                   ///< as far as the search knows it, near `theta`
-    double gradient_norm = 0;                  ///< sqrt(g . H^-1 g): distance to the minimum in sd
-    double start_log_determinant = 0;          ///< ln det C at the start
-    LinearisedProblem::Evaluation evaluation;  ///< at `theta`
+    Eigen::MatrixXd hessian;           ///< as far as the search knows it, near `theta`
+    double gradient_norm = 0;          ///< sqrt(g . H^-1 g): distance to the minimum in sd
+    double start_log_determinant = 0;  ///< ln det C at the start
+    double log_determinant = 0;        ///< ln det C at `theta`
+    LinearisedProblem::Fit fit;        ///< at `theta`
     int steps = 0;
 };
 

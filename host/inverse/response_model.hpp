@@ -14,7 +14,7 @@ struct ResponseOptions {
     /// Root mean square of the observed displacement that may be left out, mm, for wall motions
     /// drawn from the prior at any of the tested moduli. Far below a voxel's noise; raise it to
     /// save time on very large surfaces.
-    double tolerance_mm = 0.05;
+    double tolerance_mm = 0.1;
     double softest_kpa = 3, stiffest_kpa = 3000;  ///< range of the unknown moduli to be exact in
     unsigned seed = 1;
 };

@@ -101,11 +101,12 @@ TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
     const Eigen::VectorXd best =
         mean + hessian.inverse() * jacobian.transpose() * covariance.inverse() * error;
 
-    const auto found = f.problem().evaluate(theta, false);
+    const auto fit = f.problem().fit(theta);
 
-    EXPECT_NEAR(found.objective, expected, 1e-9 * std::abs(expected));
-    EXPECT_LT((found.driven - best).norm(), 1e-9 * best.norm());
-    EXPECT_NEAR(found.effective_rows, 0.16 * covariance.inverse().trace(), 1e-9);
+    EXPECT_NEAR(f.problem().evaluate(theta, false).objective, expected, 1e-9 * std::abs(expected));
+    EXPECT_LT((fit.driven - best).norm(), 1e-9 * best.norm());
+    EXPECT_NEAR(fit.weighted_misfit, 0.16 * (covariance.inverse() * error).squaredNorm(), 1e-9);
+    EXPECT_NEAR(fit.effective_rows, 0.16 * covariance.inverse().trace(), 1e-9);
 }
 
 TEST(Marginal, GradientMatchesCentralDifferences) {
