@@ -11,7 +11,12 @@
 namespace palpate {
 namespace {
 
-Eigen::MatrixXd gather_rows(const Eigen::MatrixXd& x, const std::vector<Index>& nodes) {
+/// Whether a list of distinct nodes in ascending order is 0, 1 .. count - 1.
+bool is_every_node(const std::vector<Index>& nodes, Index count) {
+    return static_cast<Index>(nodes.size()) == count;
+}
+
+Eigen::MatrixXd gathered_rows(const Eigen::MatrixXd& x, const std::vector<Index>& nodes) {
     Eigen::MatrixXd rows(3 * nodes.size(), x.cols());
     for (std::size_t k = 0; k < nodes.size(); ++k) {
         rows.middleRows<3>(3 * k) = x.middleRows<3>(3 * nodes[k]);
@@ -19,11 +24,21 @@ Eigen::MatrixXd gather_rows(const Eigen::MatrixXd& x, const std::vector<Index>& 
     return rows;
 }
 
-void scatter_add_rows(const Eigen::MatrixXd& rows, const std::vector<Index>& nodes,
-                      Eigen::MatrixXd& y) {
+Eigen::MatrixXd scattered_rows(Eigen::MatrixXd rows, const std::vector<Index>& nodes, Index count) {
+    if (is_every_node(nodes, count)) return rows;
+    Eigen::MatrixXd y = Eigen::MatrixXd::Zero(3 * count, rows.cols());
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-        y.middleRows<3>(3 * nodes[k]) += rows.middleRows<3>(3 * k);
+        y.middleRows<3>(3 * nodes[k]) = rows.middleRows<3>(3 * k);
     }
+    return y;
+}
+
+/// matrix x[nodes]
+template <typename Matrix>
+Eigen::MatrixXd times_rows(const Matrix& matrix, const Eigen::MatrixXd& x,
+                           const std::vector<Index>& nodes) {
+    if (is_every_node(nodes, static_cast<Index>(x.rows() / 3))) return matrix * x;
+    return matrix * gathered_rows(x, nodes);
 }
 
 }  // namespace
@@ -40,11 +55,15 @@ bool ReducedModel::has_region(Index region) const {
                        [&](const auto& condensed) { return condensed.region == region; });
 }
 
-Eigen::MatrixXd ReducedModel::stiffness() const {
+Eigen::MatrixXd ReducedModel::stiffness(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), observed_dofs());
     for (const auto& region : regions_) {
-        const double modulus = stiffness_kpa_[region.region];
+        const double modulus = kpa[region.region];
         const auto& nodes = region.observed;
+        if (is_every_node(nodes, num_observed_)) {
+            sum += modulus * region.observed_observed;
+            continue;
+        }
         for (std::size_t b = 0; b < nodes.size(); ++b) {
             for (std::size_t a = 0; a < nodes.size(); ++a) {
                 sum.block<3, 3>(3 * nodes[a], 3 * nodes[b]) +=
@@ -55,44 +74,45 @@ Eigen::MatrixXd ReducedModel::stiffness() const {
     return sum;
 }
 
-Eigen::MatrixXd ReducedModel::unit_coupling_times(const CondensedRegion& region,
-                                                  const Eigen::MatrixXd& driven) const {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
-    scatter_add_rows(region.observed_driven * gather_rows(driven, region.driven), region.observed,
-                     sum);
-    return sum;
+Eigen::MatrixXd ReducedModel::unit_stiffness_times(const CondensedRegion& region,
+                                                   const Eigen::MatrixXd& x) const {
+    return scattered_rows(times_rows(region.observed_observed, x, region.observed), region.observed,
+                          num_observed_);
 }
 
-Eigen::MatrixXd ReducedModel::coupling_times(const Eigen::MatrixXd& driven) const {
+Eigen::MatrixXd ReducedModel::unit_coupling_times(const CondensedRegion& region,
+                                                  const Eigen::MatrixXd& driven) const {
+    return scattered_rows(times_rows(region.observed_driven, driven, region.driven),
+                          region.observed, num_observed_);
+}
+
+Eigen::MatrixXd ReducedModel::coupling_times(const std::vector<double>& kpa,
+                                             const Eigen::MatrixXd& driven) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
     for (const auto& region : regions_) {
         if (region.driven.empty()) continue;
-        sum += stiffness_kpa_[region.region] * unit_coupling_times(region, driven);
+        sum += kpa[region.region] * unit_coupling_times(region, driven);
     }
     return sum;
 }
 
-Eigen::MatrixXd ReducedModel::transposed_coupling_times(const Eigen::MatrixXd& observed) const {
+Eigen::MatrixXd ReducedModel::transposed_coupling_times(const std::vector<double>& kpa,
+                                                        const Eigen::MatrixXd& observed) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(driven_dofs(), observed.cols());
     for (const auto& region : regions_) {
         if (region.driven.empty()) continue;
-        scatter_add_rows(stiffness_kpa_[region.region] * (region.observed_driven.transpose() *
-                                                          gather_rows(observed, region.observed)),
-                         region.driven, sum);
+        sum += kpa[region.region] * scattered_rows(times_rows(region.observed_driven.transpose(),
+                                                              observed, region.observed),
+                                                   region.driven, num_driven_);
     }
     return sum;
 }
 
-Eigen::VectorXd ReducedModel::observed_displacement(const Eigen::VectorXd& driven) const {
+Eigen::VectorXd ReducedModel::observed_displacement(const std::vector<double>& kpa,
+                                                    const Eigen::VectorXd& driven) const {
     if (num_observed_ == 0) return {};
-    return -cholesky(stiffness(), "stiffness of the observed nodes").solve(coupling_times(driven));
-}
-
-void ReducedModel::add_observed_product(const CondensedRegion& region, double scale,
-                                        const Eigen::MatrixXd& x, Eigen::MatrixXd& y) const {
-    const Eigen::MatrixXd part =
-        scale * (region.observed_observed * gather_rows(x, region.observed));
-    scatter_add_rows(part, region.observed, y);
+    return -cholesky(stiffness(kpa), "stiffness of the observed nodes")
+                .solve(coupling_times(kpa, driven));
 }
 
 Eigen::LLT<Eigen::MatrixXd> cholesky(const Eigen::MatrixXd& matrix, const char* what) {

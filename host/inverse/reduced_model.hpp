@@ -22,25 +22,30 @@ public:
     Index observed_dofs() const { return 3 * num_observed_; }
     Index driven_dofs() const { return 3 * num_driven_; }
     const std::vector<CondensedRegion>& regions() const { return regions_; }
+    /// Moduli of all regions as they were given [num regions].
     const std::vector<double>& stiffness_kpa() const { return stiffness_kpa_; }
-    void set_stiffness(Index region, double value_kpa) { stiffness_kpa_[region] = value_kpa; }
     /// Whether a region's modulus has any influence on the observed nodes.
     bool has_region(Index region) const;
 
-    /// S_oo at the present moduli, [observed_dofs, observed_dofs].
-    Eigen::MatrixXd stiffness() const;
-    /// S_od x at the present moduli, for columns x [driven_dofs, any].
-    Eigen::MatrixXd coupling_times(const Eigen::MatrixXd& driven) const;
-    /// S_od^T x at the present moduli, for columns x [observed_dofs, any].
-    Eigen::MatrixXd transposed_coupling_times(const Eigen::MatrixXd& observed) const;
+    // `kpa`: moduli of all regions [num regions].
+
+    /// S_oo, [observed_dofs, observed_dofs].
+    Eigen::MatrixXd stiffness(const std::vector<double>& kpa) const;
+    /// S_od x for columns x [driven_dofs, any].
+    Eigen::MatrixXd coupling_times(const std::vector<double>& kpa,
+                                   const Eigen::MatrixXd& driven) const;
+    /// S_od^T x for columns x [observed_dofs, any].
+    Eigen::MatrixXd transposed_coupling_times(const std::vector<double>& kpa,
+                                              const Eigen::MatrixXd& observed) const;
     /// u_o for given u_d: one dense factorisation of S_oo. Throws Error(solve_failed) if S_oo is
     /// not positive definite.
-    Eigen::VectorXd observed_displacement(const Eigen::VectorXd& driven) const;
+    Eigen::VectorXd observed_displacement(const std::vector<double>& kpa,
+                                          const Eigen::VectorXd& driven) const;
 
-    /// y += scale S_r x for one region's observed block; x has observed_dofs rows.
-    void add_observed_product(const CondensedRegion& region, double scale, const Eigen::MatrixXd& x,
-                              Eigen::MatrixXd& y) const;
-    /// S_r,od x of one region at unit modulus, scattered to observed_dofs rows.
+    /// S_r,oo x of one region at unit modulus, for columns x [observed_dofs, any].
+    Eigen::MatrixXd unit_stiffness_times(const CondensedRegion& region,
+                                         const Eigen::MatrixXd& x) const;
+    /// S_r,od x of one region at unit modulus, for columns x [driven_dofs, any].
     Eigen::MatrixXd unit_coupling_times(const CondensedRegion& region,
                                         const Eigen::MatrixXd& driven) const;
 

@@ -92,11 +92,8 @@ public:
         parts_.prior_covariance = parts_.functionals * parts_.spread;
         parts_.influence.setOnes(parts_.functionals.rows());
         for (const auto& region : model_.regions()) {
-            Eigen::MatrixXd stiffness =
-                Eigen::MatrixXd::Zero(model_.observed_dofs(), model_.observed_dofs());
-            model_.add_observed_product(region, 1.0, parts_.modes, stiffness);
             parts_.regions.push_back(
-                {region.region, std::move(stiffness),
+                {region.region, model_.unit_stiffness_times(region, parts_.modes),
                  model_.unit_coupling_times(region, parts_.functionals.transpose())});
         }
         return std::move(result_);
@@ -133,12 +130,8 @@ private:
         return kpa;
     }
 
-    ReducedModel model_with(const Moduli& kpa) const {
-        ReducedModel model = model_;
-        for (std::size_t r = 0; r < kpa.size(); ++r) {
-            model.set_stiffness(static_cast<Index>(r), kpa[r]);
-        }
-        return model;
+    Eigen::LLT<Eigen::MatrixXd> equilibrium_at(const Moduli& kpa) const {
+        return cholesky(model_.stiffness(kpa), "stiffness of the observed nodes");
     }
 
     double tolerance() const {
@@ -172,17 +165,16 @@ private:
 
     /// Q^T A of the response A = S_oo^-1 S_od, Q an orthonormal basis of its range.
     Eigen::MatrixXd functionals_at(const Moduli& kpa) const {
-        const ReducedModel model = model_with(kpa);
-        const auto equilibrium = cholesky(model.stiffness(), "stiffness of the observed nodes");
-        const Index most = std::min(model.driven_dofs(), model.observed_dofs());
+        const auto equilibrium = equilibrium_at(kpa);
+        const Index most = std::min(model_.driven_dofs(), model_.observed_dofs());
         Eigen::MatrixXd basis;
         for (Index count = std::min<Index>(most, 480);; count = std::min<Index>(most, 2 * count)) {
             const Eigen::MatrixXd responses =
-                equilibrium.solve(model.coupling_times(prior_.samples(count, options_.seed)));
+                equilibrium.solve(model_.coupling_times(kpa, prior_.samples(count, options_.seed)));
             basis = orthonormal_columns(responses, 0.5 * tolerance() * std::sqrt(count));
             if (basis.cols() < count - 16 || count == most) break;
         }
-        return model.transposed_coupling_times(equilibrium.solve(basis)).transpose();
+        return model_.transposed_coupling_times(kpa, equilibrium.solve(basis)).transpose();
     }
 
     /// Responses to the functionals' unit motions at `kpa`, [observed_dofs, functionals].
@@ -192,8 +184,7 @@ private:
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
             if (couplings_[r].size() > 0) force += kpa[model_.regions()[r].region] * couplings_[r];
         }
-        return cholesky(model_with(kpa).stiffness(), "stiffness of the observed nodes")
-            .solve(force);
+        return equilibrium_at(kpa).solve(force);
     }
 
     void add_modes_at(const Moduli& kpa) {
@@ -219,9 +210,8 @@ private:
         const Eigen::MatrixXd& modes = parts_.modes;
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
             const auto& region = model_.regions()[r];
-            Eigen::MatrixXd product = Eigen::MatrixXd::Zero(modes.rows(), modes.cols());
-            model_.add_observed_product(region, 1.0, modes, product);
-            Eigen::MatrixXd stiffness = modes.transpose() * product;
+            const Eigen::MatrixXd stiffness =
+                modes.transpose() * model_.unit_stiffness_times(region, modes);
             ResponseModel::Region part{
                 region.region, 0.5 * (stiffness + stiffness.transpose()), {}};
             if (couplings_[r].size() > 0) part.coupling = modes.transpose() * couplings_[r];
@@ -245,10 +235,7 @@ private:
     }
 
     double left_out_at(const Moduli& kpa, const Eigen::MatrixXd& walls) const {
-        const ReducedModel model = model_with(kpa);
-        const Eigen::MatrixXd exact =
-            -cholesky(model.stiffness(), "stiffness of the observed nodes")
-                 .solve(model.coupling_times(walls));
+        const Eigen::MatrixXd exact = -equilibrium_at(kpa).solve(model_.coupling_times(kpa, walls));
         double sum = 0;
         for (Index k = 0; k < walls.cols(); ++k) {
             sum += (exact.col(k) - result_.observed_displacement(kpa, walls.col(k))).squaredNorm();

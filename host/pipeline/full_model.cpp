@@ -15,7 +15,7 @@ namespace {
 
 /// Largest difference allowed between the response model and the full one at an observed node, mm:
 /// a few times what the response model leaves out on average, far below the noise of a voxel.
-constexpr double response_tolerance_mm = 0.2;
+constexpr double response_tolerance_mm = 0.5;
 
 void set_moduli(Recovered& found) {
     auto& materials = found.recovery.model.materials;

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 #include "solver/model/stiffness_matrix.hpp"
 
 namespace palpate {
@@ -154,9 +155,11 @@ void require_held(const SubModel& sub, const Adjacency& graph) {
 Eigen::MatrixXd reactions(const StiffnessMatrix& stiffness, const std::vector<Index>& nodes,
                           const Columns& x) {
     Columns force(3 * nodes.size(), x.cols());
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-        multiply_rows(stiffness, nodes[i], nodes[i] + 1, x.data(), static_cast<Index>(x.cols()), {},
-                      force.row(3 * i).data());
+    parallel_ranges(static_cast<Index>(nodes.size()), 64, [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i)
+            multiply_rows(stiffness, nodes[i], nodes[i] + 1, x.data(), static_cast<Index>(x.cols()),
+                          {}, force.row(3 * i).data());
+    });
     return force;
 }
 

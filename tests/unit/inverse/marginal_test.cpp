@@ -67,9 +67,10 @@ TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
     // Straight from the definition with dense inverses: y ~ N(J m, R + J H^-1 J^T).
     Fixture f;
     const Eigen::Vector2d theta(4.0, 3.2);
-    ReducedModel model = f.model;
-    model.set_stiffness(2, std::exp(theta[0]));
-    model.set_stiffness(3, std::exp(theta[1]));
+    const ReducedModel& model = f.model;
+    std::vector<double> kpa = model.stiffness_kpa();
+    kpa[2] = std::exp(theta[0]);
+    kpa[3] = std::exp(theta[1]);
     Eigen::MatrixXd hessian = 0.2 * Eigen::MatrixXd::Identity(12, 12);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(12);
     Eigen::MatrixXd normals = Eigen::MatrixXd::Zero(15, 5);
@@ -89,8 +90,9 @@ TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
     }
     Eigen::MatrixXd coupling(15, 12);
     for (Index c = 0; c < 12; ++c)
-        coupling.col(c) = model.coupling_times(Eigen::VectorXd::Unit(12, c));
-    const Eigen::MatrixXd jacobian = -normals.transpose() * model.stiffness().inverse() * coupling;
+        coupling.col(c) = model.coupling_times(kpa, Eigen::VectorXd::Unit(12, c));
+    const Eigen::MatrixXd jacobian =
+        -normals.transpose() * model.stiffness(kpa).inverse() * coupling;
     const Eigen::VectorXd mean = hessian.inverse() * right;
     const Eigen::MatrixXd covariance = jacobian * hessian.inverse() * jacobian.transpose() +
                                        0.16 * Eigen::MatrixXd::Identity(5, 5);

@@ -156,10 +156,9 @@ TEST(ResponseModel, LeavesOutWhatItSays) {
     EXPECT_LT(compressed.num_functionals(), 120);
     EXPECT_LT(compressed.left_out_mm(), 1e-3);
     for (const double kpa : {3.5, 40.0, 700.0, 2500.0}) {
-        ReducedModel model = chain.model;
-        model.set_stiffness(2, kpa);
         for (Index k = 0; k < walls.cols(); ++k) {
-            const Eigen::VectorXd exact = model.observed_displacement(walls.col(k));
+            const Eigen::VectorXd exact =
+                chain.model.observed_displacement({0, 10, kpa}, walls.col(k));
             const Eigen::VectorXd found =
                 compressed.observed_displacement({0, 10, kpa}, walls.col(k));
             EXPECT_LT((found - exact).norm() / std::sqrt(double(Chain::num_observed)), 4e-3);
