@@ -9,9 +9,9 @@
 #include "host/inverse/map_estimate.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/build_model.hpp"
+#include "host/pipeline/full_solver.hpp"
 #include "host/result/recovery_result.hpp"
 #include "host/surfaces/distance_map.hpp"
-#include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
 
@@ -35,8 +35,7 @@ struct Recovered {
 /// Writes the estimated moduli into the model, solves the uncondensed equilibrium with the
 /// estimated wall motion, and takes the forces as reactions, f = K u. Throws
 /// Error(solve_failed) if the solve misses its tolerance or leaves the condensed solution.
-void solve_full_model(Recovered& found, const LinearSolverOptions& options,
-                      const ProgressSink& progress);
+void solve_full_model(Recovered& found, FullSolver& solver, const ProgressSink& progress);
 
 /// Verdicts, surface distances, Dice, volumes.
 RecoveryResult assemble_result(const Recovered& found, const RegionImage& reference,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/pipeline/finish.hpp"
+#include "host/pipeline/mechanics.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
 #include "solver/model/stiffness_matrix.hpp"
@@ -103,30 +104,29 @@ std::vector<Vec3> resultant_deviations(const Recovered& found, LinearSolver& sol
 
 }  // namespace
 
-void solve_full_model(Recovered& found, const LinearSolverOptions& options,
-                      const ProgressSink& progress) {
+void solve_full_model(Recovered& found, FullSolver& full_solver, const ProgressSink& progress) {
     set_moduli(found);
     const Model& model = found.recovery.model;
-    const auto solver = make_linear_solver(model, options);
+    LinearSolver& solver = full_solver.at(moduli_of(model));
     Columns right = Columns::Zero(model.num_dofs(), 1);
     for (std::size_t k = 0; k < found.recovery.driven.size(); ++k) {
         right.block<3, 1>(3 * found.recovery.driven[k], 0) =
             found.estimate.driven.segment<3>(3 * static_cast<Index>(k));
     }
     Columns solution;
-    const LinearSolverSummary summary = solver->solve(right, solution, progress);
+    const LinearSolverSummary summary = solver.solve(right, solution, progress);
     if (!summary.converged) {
         throw Error(
             ErrorCode::solve_failed,
-            fmt::format("the final solve reached a relative residual of {:.1e} instead of "
-                        "{:.1e} ({}); try --precision double or --linear-solver direct",
-                        summary.relative_residual, options.relative_tolerance, summary.message));
+            fmt::format("the final solve stopped at a relative residual of {:.1e} ({}); try "
+                        "--precision double or --linear-solver direct",
+                        summary.relative_residual, summary.message));
     }
     found.displacement = solution.col(0);
     found.relative_residual = summary.relative_residual;
-    found.solver = solver->describe();
+    found.solver = solver.describe();
     found.force = reactions(model, found.displacement);
-    found.resultant_sd = resultant_deviations(found, *solver);
+    found.resultant_sd = resultant_deviations(found, solver);
     check_against_response(found);
 }
 

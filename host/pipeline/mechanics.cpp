@@ -23,13 +23,13 @@ std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const Re
     return priors;
 }
 
+}  // namespace
+
 std::vector<double> moduli_of(const Model& model) {
     std::vector<double> stiffness;
     for (const auto& material : model.materials) stiffness.push_back(material.stiffness_kpa);
     return stiffness;
 }
-
-}  // namespace
 
 Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
                          const LinearSolverOptions& solver, const MechanicsOptions& options,

@@ -27,6 +27,9 @@ struct MechanicsOptions {
     ResponseOptions response;
 };
 
+/// Of all regions, kPa.
+std::vector<double> moduli_of(const Model& model);
+
 /// From node sets to a model that answers for any modulus. Unknown moduli have their prior's median
 /// in `recovery.model`.
 Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,

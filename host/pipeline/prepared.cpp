@@ -133,8 +133,18 @@ PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, Mesher
                                StageTimer& timer, const ProgressSink& progress) {
     Mechanics mechanics =
         make_mechanics(mesh, options.settings, options.solver, options.mechanics, timer, progress);
-    return {std::move(reference), std::move(mesh), std::move(mesher), std::move(maps),
-            std::move(mechanics)};
+    auto full_solver = start_full_solver(mechanics.recovery, options.solver);
+    return {std::move(reference), std::move(mesh),      std::move(mesher),
+            std::move(maps),      std::move(mechanics), std::move(full_solver)};
+}
+
+std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
+                                              const LinearSolverOptions& options) {
+    const auto driven = std::count_if(recovery.surfaces.begin(), recovery.surfaces.end(),
+                                      [](const auto& surface) { return surface.driven; });
+    // The motion, and the gradients of the resultant force on each driven organ.
+    return std::make_shared<FullSolver>(recovery.model, options,
+                                        static_cast<Index>(1 + 3 * driven));
 }
 
 Recovered search_target(const PreparedReference& prepared, const TargetState& target,
@@ -161,7 +171,7 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
                                         mechanics.priors, options.search, progress);
 
     timer.start("solving");
-    solve_full_model(found, options.solver, progress);
+    solve_full_model(found, *prepared.full_solver, progress);
     return found;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "host/pipeline/finish.hpp"
@@ -18,6 +19,7 @@ struct PreparedReference {
     MesherSummary mesher;
     std::vector<DistanceMap> maps;  ///< of the matched organs
     Mechanics mechanics;
+    std::shared_ptr<FullSolver> full_solver;  ///< of `mechanics.recovery.model`
 };
 
 /// Meshes the reference (or reads the ready mesh) and condenses it.
@@ -28,6 +30,10 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
 PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, MesherSummary mesher,
                                std::vector<DistanceMap> maps, const RecoverOptions& options,
                                StageTimer& timer, const ProgressSink& progress);
+
+/// Sets up the solver of the whole model, in the background.
+std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
+                                              const LinearSolverOptions& options);
 
 /// Moduli, wall motion, field and forces for one target.
 Recovered search_target(const PreparedReference& prepared, const TargetState& target,

@@ -66,7 +66,7 @@ PreparedReference finish_reference(ReferenceState state, std::optional<SavedRefe
     if (!saved) return prepare_reference(std::move(state), options, timer, progress);
     timer.start("loading");
     const std::string name = saved->name;
-    PreparedReference prepared = restore(std::move(*saved), std::move(state), options.settings);
+    PreparedReference prepared = restore(std::move(*saved), std::move(state), options);
     prepared.mechanics.condensation.solver.reason += ", read from a saved reduced model";
     const Mechanics& mechanics = prepared.mechanics;
     report_progress(

@@ -222,13 +222,15 @@ ReferenceState reference_state(const SavedReference& saved, LabelledState state)
 }
 
 PreparedReference restore(SavedReference saved, ReferenceState reference,
-                          const Settings& settings) {
+                          const RecoverOptions& options) {
+    const Settings& settings = options.settings;
     auto maps = std::async(std::launch::async,
                            [&] { return maps_of_matched(reference.state.field, settings); });
     Mechanics mechanics = blaming_file(saved, [&] { return mechanics_of(saved, settings); });
     auto done = maps.get();
-    return {std::move(reference), std::move(saved.mesh), std::move(saved.mesher), std::move(done),
-            std::move(mechanics)};
+    auto full_solver = start_full_solver(mechanics.recovery, options.solver);
+    return {std::move(reference), std::move(saved.mesh), std::move(saved.mesher),
+            std::move(done),      std::move(mechanics),  std::move(full_solver)};
 }
 
 }  // namespace palpate

@@ -54,6 +54,7 @@ ReferenceState reference_state(const SavedReference& saved, LabelledState state)
 
 /// The prepared reference, the same to the last bit as the one that was saved. `saved` must have
 /// passed `check_same_reference`. Throws Error(input_unreadable) if it is contradictory.
-PreparedReference restore(SavedReference saved, ReferenceState reference, const Settings& settings);
+PreparedReference restore(SavedReference saved, ReferenceState reference,
+                          const RecoverOptions& options);
 
 }  // namespace palpate

@@ -196,7 +196,8 @@ TEST(LiverForce, IsFoundFromThePartOfTheSurfaceThatWasSeen) {
     found.recovery = mechanics.recovery;
     found.estimate =
         map_estimate(mechanics.response, mechanics.walls, observations, mechanics.priors, search);
-    solve_full_model(found, {}, {});
+    FullSolver full_solver(found.recovery.model, {}, 4);
+    solve_full_model(found, full_solver, {});
 
     Vec3 force = Vec3::Zero();
     for (const Index node : input.tool_nodes) force += found.force.segment<3>(3 * node);

@@ -102,7 +102,7 @@ protected:
         LabelledState state = make_state(volume(9), options->settings);
         check_same_reference(saved, state, options->settings);
         ReferenceState reference = reference_state(saved, std::move(state));
-        return restore(std::move(saved), std::move(reference), options->settings);
+        return restore(std::move(saved), std::move(reference), *options);
     }
     static void put(const std::filesystem::path& path, const std::string& bytes) {
         std::ofstream(path, std::ios::binary) << bytes;

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <future>
+#include <memory>
+#include <vector>
+
+#include "solver/linear/linear_solver.hpp"
+
+namespace palpate {
+
+/// The linear solver of the whole, uncondensed model for any moduli. It is set up in the
+/// background, at the moduli of the model, so that ordering and storage are there when a search
+/// ends; only numbers change after that.
+class FullSolver {
+public:
+    /// `num_columns`: right-hand sides to be expected per set of moduli.
+    FullSolver(Model model, LinearSolverOptions options, Index num_columns);
+    /// Waits for the set-up. `kpa`: moduli of all regions [num regions]. Throws what
+    /// `make_linear_solver` throws.
+    LinearSolver& at(const std::vector<double>& kpa);
+
+private:
+    std::future<std::unique_ptr<LinearSolver>> set_up_;
+    std::unique_ptr<LinearSolver> solver_;
+};
+
+}  // namespace palpate
