@@ -7,7 +7,6 @@
 
 #include "host/pipeline/finish.hpp"
 #include "host/pipeline/mechanics.hpp"
-#include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
 #include "solver/model/stiffness_matrix.hpp"
 
@@ -26,22 +25,43 @@ void set_moduli(Recovered& found) {
     }
 }
 
-/// f = K u on the host in fp64, kept at prescribed nodes.
-Eigen::VectorXd reactions(const Model& model, const Eigen::VectorXd& displacement) {
-    BackendOptions options;
-    options.precision = Precision::double_;
-    const auto host = make_backend("reference", options);
-    host->prepare(model);
-    const auto u = host->make_vector(model.num_dofs(), 1);
-    const auto f = host->make_vector(model.num_dofs(), 1);
-    host->copy_in({displacement.data(), static_cast<std::size_t>(displacement.size())}, *u);
-    host->internal_force(*u, *f);
-    Eigen::VectorXd force(model.num_dofs());
-    host->copy_out(*f, {force.data(), static_cast<std::size_t>(force.size())});
+/// f = K u on the host in fp64, kept at prescribed nodes; [num_dofs, columns].
+Columns reactions(const Model& model, const Columns& displacement) {
+    const StiffnessMatrix stiffness = assemble_stiffness(model);
+    Columns force(displacement.rows(), displacement.cols());
+    multiply_rows(stiffness, 0, model.mesh.num_nodes(), displacement.data(),
+                  static_cast<Index>(displacement.cols()), {}, force.data());
     for (Index dof = 0; dof < model.num_dofs(); ++dof) {
-        if (!model.prescribed[dof]) force[dof] = 0;
+        if (!model.prescribed[dof]) force.row(dof).setZero();
     }
     return force;
+}
+
+/// Surfaces of driven organs, by their places in `recovery.surfaces`.
+std::vector<std::size_t> driven_surfaces(const RecoveryModel& recovery) {
+    std::vector<std::size_t> driven;
+    for (std::size_t s = 0; s < recovery.surfaces.size(); ++s) {
+        if (recovery.surfaces[s].driven) driven.push_back(s);
+    }
+    return driven;
+}
+
+/// The estimated motion of the walls, then the rigid translations along the axes of each driven
+/// organ; [num_dofs, 1 + 3 driven].
+Columns wall_motions(const Recovered& found, const std::vector<std::size_t>& driven) {
+    const RecoveryModel& recovery = found.recovery;
+    Columns moved = Columns::Zero(recovery.model.num_dofs(), 1 + 3 * driven.size());
+    for (std::size_t k = 0; k < recovery.driven.size(); ++k) {
+        moved.block<3, 1>(3 * recovery.driven[k], 0) =
+            found.estimate.driven.segment<3>(3 * static_cast<Index>(k));
+    }
+    for (std::size_t d = 0; d < driven.size(); ++d) {
+        for (const Index node : recovery.surfaces[driven[d]].node_of) {
+            if (!std::binary_search(recovery.driven.begin(), recovery.driven.end(), node)) continue;
+            moved.block<3, 3>(3 * node, 1 + 3 * d).setIdentity();
+        }
+    }
+    return moved;
 }
 
 void check_against_response(const Recovered& found) {
@@ -59,41 +79,23 @@ void check_against_response(const Recovered& found) {
     }
 }
 
-/// K x at the driven nodes, [3 num_driven, columns].
-Eigen::MatrixXd driven_reactions(const RecoveryModel& recovery, const Columns& x) {
-    const StiffnessMatrix stiffness = assemble_stiffness(recovery.model);
-    Columns force(3 * recovery.driven.size(), x.cols());
-    for (std::size_t k = 0; k < recovery.driven.size(); ++k) {
-        const Index node = recovery.driven[k];
-        multiply_rows(stiffness, node, node + 1, x.data(), static_cast<Index>(x.cols()), {},
-                      force.row(3 * k).data());
-    }
-    return force;
-}
-
 /// The resultant force on a driven organ is linear in the wall motion, e^T K u(u_d) = (S_dd e)^T
 /// u_d for rigid translations e of that organ: the reactions to them are its gradient. Standard
 /// deviation at the estimated moduli, from what the data leave open of the motion.
-std::vector<Vec3> resultant_deviations(const Recovered& found, LinearSolver& solver) {
+///   force  reactions to `wall_motions`
+std::vector<Vec3> resultant_deviations(const Recovered& found,
+                                       const std::vector<std::size_t>& driven,
+                                       const Columns& force) {
     const RecoveryModel& recovery = found.recovery;
     std::vector<Vec3> deviations(recovery.surfaces.size(), Vec3::Zero());
-    std::vector<std::size_t> driven;
-    for (std::size_t s = 0; s < recovery.surfaces.size(); ++s) {
-        if (recovery.surfaces[s].driven) driven.push_back(s);
-    }
     if (!found.estimate.posterior || driven.empty()) return deviations;
-    Columns moved = Columns::Zero(recovery.model.num_dofs(), 3 * driven.size());
-    for (std::size_t d = 0; d < driven.size(); ++d) {
-        for (const Index node : recovery.surfaces[driven[d]].node_of) {
-            if (!std::binary_search(recovery.driven.begin(), recovery.driven.end(), node)) continue;
-            moved.block<3, 3>(3 * node, 3 * d).setIdentity();
-        }
+    Eigen::MatrixXd gradients(3 * recovery.driven.size(), force.cols() - 1);
+    for (std::size_t k = 0; k < recovery.driven.size(); ++k) {
+        gradients.middleRows<3>(3 * k) =
+            force.middleRows<3>(3 * recovery.driven[k]).rightCols(gradients.cols());
     }
-    Columns answer;
-    solver.solve(moved, answer);
     const Eigen::VectorXd variance =
-        found.estimate.posterior
-            ->motion_covariance(found.estimate.theta, driven_reactions(recovery, answer))
+        found.estimate.posterior->motion_covariance(found.estimate.theta, gradients)
             .diagonal()
             .cwiseMax(0.0);
     for (std::size_t d = 0; d < driven.size(); ++d) {
@@ -108,13 +110,10 @@ void solve_full_model(Recovered& found, FullSolver& full_solver, const ProgressS
     set_moduli(found);
     const Model& model = found.recovery.model;
     LinearSolver& solver = full_solver.at(moduli_of(model));
-    Columns right = Columns::Zero(model.num_dofs(), 1);
-    for (std::size_t k = 0; k < found.recovery.driven.size(); ++k) {
-        right.block<3, 1>(3 * found.recovery.driven[k], 0) =
-            found.estimate.driven.segment<3>(3 * static_cast<Index>(k));
-    }
+    const auto driven = driven_surfaces(found.recovery);
     Columns solution;
-    const LinearSolverSummary summary = solver.solve(right, solution, progress);
+    const LinearSolverSummary summary =
+        solver.solve(wall_motions(found, driven), solution, progress);
     if (!summary.converged) {
         throw Error(
             ErrorCode::solve_failed,
@@ -125,8 +124,9 @@ void solve_full_model(Recovered& found, FullSolver& full_solver, const ProgressS
     found.displacement = solution.col(0);
     found.relative_residual = summary.relative_residual;
     found.solver = solver.describe();
-    found.force = reactions(model, found.displacement);
-    found.resultant_sd = resultant_deviations(found, solver);
+    const Columns force = reactions(model, solution);
+    found.force = force.col(0);
+    found.resultant_sd = resultant_deviations(found, driven, force);
     check_against_response(found);
 }
 

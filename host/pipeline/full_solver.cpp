@@ -8,10 +8,10 @@ namespace palpate {
 
 FullSolver::FullSolver(Model model, LinearSolverOptions options, Index num_columns) {
     options.expected_columns = num_columns;
-    set_up_ = std::async(std::launch::async,
-                         [model = std::move(model), options = std::move(options)] {
-                             return make_linear_solver(model, options);
-                         });
+    set_up_ =
+        std::async(std::launch::async, [model = std::move(model), options = std::move(options)] {
+            return make_linear_solver(model, options);
+        });
 }
 
 LinearSolver& FullSolver::at(const std::vector<double>& kpa) {
