@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/base/parallel.hpp"
+#include "solver/base/serial_blas.hpp"
+
 namespace palpate {
 namespace {
 
@@ -129,6 +132,16 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
     return result;
 }
 
+std::vector<double> LinearisedProblem::objectives(
+    const std::vector<Eigen::VectorXd>& thetas) const {
+    std::vector<double> values(thetas.size());
+    const SerialBlas serial;
+    parallel_ranges(static_cast<Index>(thetas.size()), 1, [&](Index begin, Index end) {
+        for (Index k = begin; k < end; ++k) values[k] = evaluate(thetas[k], false).objective;
+    });
+    return values;
+}
+
 // u_d = m + H^-1 N^T J^T alpha, J^T alpha = -T^T S^-1 V^T G_o^T alpha.
 LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) const {
     Fit result;
@@ -190,14 +203,16 @@ Eigen::MatrixXd LinearisedProblem::motion_covariance(const Eigen::VectorXd& thet
 Eigen::MatrixXd LinearisedProblem::hessian(const Eigen::VectorXd& theta) const {
     constexpr double step = 1e-3;  // of ln E: 0.1 %, far above the rounding of the gradient
     const Index n = num_unknown();
-    Eigen::MatrixXd hessian(n, n);
-    for (Index k = 0; k < n; ++k) {
-        Eigen::VectorXd shift = Eigen::VectorXd::Zero(n);
-        shift[k] = step;
-        hessian.col(k) =
-            (evaluate(theta + shift, true).gradient - evaluate(theta - shift, true).gradient) /
-            (2.0 * step);
-    }
+    Eigen::MatrixXd change(n, 2 * n);  // gradients above, then below
+    const SerialBlas serial;
+    parallel_ranges(2 * n, 1, [&](Index begin, Index end) {
+        for (Index c = begin; c < end; ++c) {
+            Eigen::VectorXd at = theta;
+            at[c % n] += c < n ? step : -step;
+            change.col(c) = evaluate(at, true).gradient;
+        }
+    });
+    const Eigen::MatrixXd hessian = (change.leftCols(n) - change.rightCols(n)) / (2.0 * step);
     return 0.5 * (hessian + hessian.transpose());
 }
 

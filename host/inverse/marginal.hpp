@@ -49,6 +49,8 @@ public:
 
     /// theta: ln E of the unknown regions, in the order of the priors.
     Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const;
+    /// F alone at several theta, on all cores.
+    std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const;
     Fit fit(const Eigen::VectorXd& theta) const;
     /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
     /// at theta, all data seen; functionals [driven_dofs, n].

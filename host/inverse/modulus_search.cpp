@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace palpate {
@@ -48,27 +49,31 @@ Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBound
     Eigen::VectorXd best(n);
     for (Index k = 0; k < n; ++k) best[k] = priors[k].mean_ln;
     if (n == 0) return best;
-    double best_value = problem.evaluate(best, false).objective;
-    const auto offer = [&](const Eigen::VectorXd& theta) {
-        const double value = problem.evaluate(clamped(theta, bounds), false).objective;
-        if (value < best_value) {
-            best_value = value;
-            best = clamped(theta, bounds);
+    double best_value = std::numeric_limits<double>::infinity();
+    const auto offer = [&](const std::vector<Eigen::VectorXd>& points) {
+        const std::vector<double> values = problem.objectives(points);
+        for (std::size_t p = 0; p < points.size(); ++p) {
+            if (values[p] >= best_value) continue;
+            best_value = values[p];
+            best = points[p];
         }
     };
-    const Eigen::VectorXd centre = best;
+    std::vector<Eigen::VectorXd> together;
     for (int p = 0; p < scan_points; ++p) {  // prior mean +- 2.5 sd
         const double z = -2.5 + 5.0 * p / (scan_points - 1);
-        Eigen::VectorXd theta = centre;
+        Eigen::VectorXd theta = best;
         for (Index k = 0; k < n; ++k) theta[k] += z * priors[k].sd_ln;
-        offer(theta);
+        together.push_back(clamped(theta, bounds));
     }
+    offer(together);
     for (Index k = 0; n > 1 && k < n; ++k) {
+        std::vector<Eigen::VectorXd> alone;
         for (const double shift : {-1.4, -0.7, 0.7, 1.4}) {
-            Eigen::VectorXd theta = best;
-            theta[k] += shift;
-            offer(theta);
+            alone.push_back(best);
+            alone.back()[k] += shift;
+            alone.back() = clamped(alone.back(), bounds);
         }
+        offer(alone);
     }
     return best;
 }

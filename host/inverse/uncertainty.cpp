@@ -27,11 +27,12 @@ ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd
     const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
     ProfileResult profile;
     profile.region = problem.priors()[unknown].region;
+    std::vector<Eigen::VectorXd> points;
     for (int p = -half_points; p <= half_points; ++p) {
-        const Eigen::VectorXd at = theta + ridge * (4.0 * sd * p / half_points);
-        profile.stiffness_kpa.push_back(std::exp(at[unknown]));
-        profile.objective.push_back(problem.evaluate(at, false).objective);
+        points.push_back(theta + ridge * (4.0 * sd * p / half_points));
+        profile.stiffness_kpa.push_back(std::exp(points.back()[unknown]));
     }
+    profile.objective = problem.objectives(points);
     const double lowest = *std::min_element(profile.objective.begin(), profile.objective.end());
     for (double& value : profile.objective) value -= lowest;
     return profile;

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "host/inverse/reduced_model.hpp"
+#include "solver/base/parallel.hpp"
+#include "solver/base/serial_blas.hpp"
 
 namespace palpate {
 namespace {
@@ -38,47 +40,61 @@ WallPosterior::WallPosterior(const WallPrior& prior, const std::vector<LinearRow
         part.place.push_back(place[row.position]);
         part.rows.push_back(row);
     }
-    for (Rows& part : parts_) {
-        const Index n = static_cast<Index>(part.rows.size());
-        Eigen::MatrixXd gram(n, n);
-        Eigen::VectorXd wanted(n);
-        for (Index j = 0; j < n; ++j) {
-            const LinearRow& row = part.rows[j];
-            for (Index i = j; i < n; ++i) {
-                gram(i, j) = part.wall->covariance(part.place[i], part.place[j]) *
-                                 part.rows[i].normal.dot(row.normal) +
-                             (i == j ? noise_variance(row) : noise_covariance(part.rows[i], row));
-            }
-            wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) - row.residual_mm;
-        }
-        if (n == 0) continue;
-        part.gram = cholesky(gram, "covariance of the driven walls");
-        mean_ += spread_back(part, part.gram.solve(wanted));
-    }
+    const SerialBlas serial;
+    parallel_ranges(static_cast<Index>(parts_.size()), 1, [&](Index begin, Index end) {
+        for (Index p = begin; p < end; ++p) condition(parts_[p], driven);
+    });
 }
 
-/// S G^T w for the rows of one wall.
-Eigen::VectorXd WallPosterior::spread_back(const Rows& part, const Eigen::VectorXd& weights) const {
+/// Factorises R + G S G^T of one wall and writes its nodes' part of the mean.
+void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven) {
+    const Index n = static_cast<Index>(part.rows.size());
+    if (n == 0) return;
+    Eigen::MatrixXd gram(n, n);
+    Eigen::VectorXd wanted(n);
+    for (Index j = 0; j < n; ++j) {
+        const LinearRow& row = part.rows[j];
+        for (Index i = j; i < n; ++i) {
+            gram(i, j) = part.wall->covariance(part.place[i], part.place[j]) *
+                             part.rows[i].normal.dot(row.normal) +
+                         (i == j ? noise_variance(row) : noise_covariance(part.rows[i], row));
+        }
+        wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) - row.residual_mm;
+    }
+    part.gram = cholesky(gram, "covariance of the driven walls");
+    add_spread_back(part, part.gram.solve(wanted), 1.0, mean_);
+}
+
+/// result += scale S G^T w for the rows of one wall; touches its nodes only.
+void WallPosterior::add_spread_back(const Rows& part, const Eigen::VectorXd& weights, double scale,
+                                    Eigen::VectorXd& result) const {
     Eigen::MatrixXd along = Eigen::MatrixXd::Zero(part.wall->nodes.size(), 3);
     for (std::size_t i = 0; i < part.rows.size(); ++i) {
         along.row(part.place[i]) += weights[i] * part.rows[i].normal.transpose();
     }
-    const Eigen::MatrixXd spread = part.wall->covariance * along;
-    Eigen::VectorXd result = Eigen::VectorXd::Zero(mean_.size());
+    const Eigen::MatrixXd spread = scale * (part.wall->covariance * along);
     for (std::size_t k = 0; k < part.wall->nodes.size(); ++k) {
-        result.segment<3>(3 * part.wall->nodes[k]) = spread.row(k);
+        result.segment<3>(3 * part.wall->nodes[k]) += spread.row(k);
     }
-    return result;
 }
 
 Eigen::MatrixXd WallPosterior::covariance_of(const Eigen::MatrixXd& spread,
                                              const Eigen::MatrixXd& prior_covariance) const {
+    std::vector<Eigen::MatrixXd> known(parts_.size());
+    const SerialBlas serial;
+    parallel_ranges(static_cast<Index>(parts_.size()), 1, [&](Index begin, Index end) {
+        for (Index p = begin; p < end; ++p) {
+            const Rows& part = parts_[p];
+            known[p].setZero(spread.cols(), spread.cols());
+            if (part.rows.empty()) continue;
+            Eigen::MatrixXd seen = seen_along_normals(part.rows, spread);
+            part.gram.matrixL().solveInPlace(seen);
+            known[p].selfadjointView<Eigen::Lower>().rankUpdate(seen.transpose());
+        }
+    });
     Eigen::MatrixXd covariance = prior_covariance;
-    for (const Rows& part : parts_) {
-        if (part.rows.empty()) continue;
-        Eigen::MatrixXd seen = seen_along_normals(part.rows, spread);
-        part.gram.matrixL().solveInPlace(seen);
-        covariance.noalias() -= seen.transpose() * seen;
+    for (const auto& part : known) {
+        covariance -= Eigen::MatrixXd(part.selfadjointView<Eigen::Lower>());
     }
     return covariance;
 }
@@ -88,7 +104,7 @@ Eigen::VectorXd WallPosterior::conditioned(const Eigen::VectorXd& prior_times_v)
     for (const Rows& part : parts_) {
         if (part.rows.empty()) continue;
         const Eigen::VectorXd seen = seen_along_normals(part.rows, prior_times_v);
-        result -= spread_back(part, part.gram.solve(seen));
+        add_spread_back(part, part.gram.solve(seen), -1.0, result);
     }
     return result;
 }

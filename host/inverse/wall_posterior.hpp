@@ -37,7 +37,9 @@ private:
         std::vector<LinearRow> rows;
         Eigen::LLT<Eigen::MatrixXd> gram;  ///< of R + G S G^T
     };
-    Eigen::VectorXd spread_back(const Rows& part, const Eigen::VectorXd& weights) const;
+    void condition(Rows& part, const Eigen::VectorXd& driven);
+    void add_spread_back(const Rows& part, const Eigen::VectorXd& weights, double scale,
+                         Eigen::VectorXd& result) const;
 
     const WallPrior& prior_;
     std::vector<Rows> parts_;
