@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cmath>
 
+#include "host/objectives/surface_observations.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {
@@ -16,20 +18,31 @@ struct LinearRow {
     Vec3 normal = Vec3::Zero();
     double residual_mm = 0;
     double independent_mm = 1;  ///< standard deviation of the independent part
-    double correlated_mm = 0;   ///< of the correlated part
+    Terraces terraces;          ///< the correlated part
     Index surface = 0;          ///< rows of different surfaces have independent noise
     Vec3 place = Vec3::Zero();  ///< of the node, reference, mm
-    double range_mm = 1;        ///< the correlation falls to 1/e at this distance
+    std::array<double, max_terraces> range_mm{};  ///< the correlation of each wave falls to 1/e
 };
 
 /// Covariance (mm^2) between the noise of two different rows: exponential in their distance.
 inline double noise_covariance(const LinearRow& a, const LinearRow& b) {
-    if (a.surface != b.surface || a.correlated_mm == 0) return 0;
-    return a.correlated_mm * b.correlated_mm * std::exp(-(a.place - b.place).norm() / a.range_mm);
+    if (a.surface != b.surface) return 0;
+    const double distance = (a.place - b.place).norm();
+    double sum = 0, range = 0, decay = 0;
+    for (int k = 0; k < max_terraces; ++k) {
+        const double wave = a.terraces.waves.col(k).dot(b.terraces.waves.col(k));
+        if (wave == 0) continue;
+        if (a.range_mm[k] != range) {
+            range = a.range_mm[k];
+            decay = std::exp(-distance / range);
+        }
+        sum += wave * decay;
+    }
+    return sum;
 }
 
 inline double noise_variance(const LinearRow& row) {
-    return row.independent_mm * row.independent_mm + row.correlated_mm * row.correlated_mm;
+    return row.independent_mm * row.independent_mm + row.terraces.variance();
 }
 
 }  // namespace palpate

@@ -34,10 +34,10 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
         LinearRow row;
         row.on_driven = seen.on_driven;
         row.position = seen.position;
-        row.correlated_mm = seen.correlated_mm;
+        row.terraces = seen.terraces;
         row.surface = seen.surface;
         row.place = seen.place;
-        row.range_mm = observations.correlation_range_mm();
+        row.range_mm = observations.terrace_range_mm();
         rows_.push_back(row);
     }
     for (auto& [surface, rows] : by_surface) groups_.push_back({std::move(rows), {}});
@@ -89,7 +89,7 @@ std::vector<LinearRow> SurfaceNoise::linear_rows(const ObservedState& seen) cons
         row.residual_mm = seen.residual_mm[k];
         const double factor = inflation(row.residual_mm / sigma_mm_[k]);
         row.independent_mm *= factor;
-        row.correlated_mm *= factor;
+        row.terraces.waves *= factor;
     }
     return rows;
 }

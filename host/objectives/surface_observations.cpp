@@ -20,26 +20,55 @@ std::map<Index, Index> positions(const std::vector<Index>& nodes) {
     return position;
 }
 
+/// The phase is that of the place in the reference: over the reach of the correlation all points
+/// move about as far.
+Terraces terraces_at(const Vec3& place, const Vec3& normal,
+                     const std::vector<VoxelPlanes>& volumes) {
+    Terraces terraces;
+    for (std::size_t state = 0; state < volumes.size(); ++state) {
+        const VoxelPlanes& voxels = volumes[state];
+        const Vec3 deviation = voxels.terrace_deviation(normal);
+        for (int a = 0; a < 3; ++a) {
+            const double phase =
+                2.0 * std::numbers::pi * voxels.axes.col(a).dot(place) / voxels.spacing[a];
+            terraces.waves.col(3 * state + a) =
+                deviation[a] * Eigen::Vector2d(std::cos(phase), std::sin(phase));
+        }
+    }
+    return terraces;
+}
+
 }  // namespace
 
-double VoxelPlanes::terrace_variance(const Vec3& normal) const {
-    double sum = 0;
+Vec3 VoxelPlanes::terrace_deviation(const Vec3& normal) const {
+    constexpr int harmonics = 4;
+    Vec3 deviation;
     for (int a = 0; a < 3; ++a) {
         const double h = spacing[a];
         const double cosine = std::min(1.0, std::abs(axes.col(a).dot(normal)) / normal.norm());
         const double waves = smoothing_mm / h;
-        const double rms = h / (std::numbers::sqrt2 * std::numbers::pi) *
-                           std::exp(-2.0 * std::numbers::pi * std::numbers::pi * waves * waves *
-                                    (1.0 - cosine * cosine));
-        sum += rms * rms;
+        double variance = 0;
+        for (int n = 1; n <= harmonics; ++n) {
+            const double gauss = std::exp(-2.0 * std::numbers::pi * std::numbers::pi * waves *
+                                          waves * n * n * (1.0 - cosine * cosine));
+            const double rms = h / (std::numbers::sqrt2 * std::numbers::pi * n);
+            variance += std::pow(rms * gauss * (2.0 - gauss), 2);
+        }
+        deviation[a] = std::sqrt(variance);
     }
-    return sum;
+    return deviation;
 }
 
 SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, ObservedShapes shapes,
                                          const std::vector<std::uint8_t>& node_is_seen,
                                          const ObservationOptions& options)
-    : correlation_range_mm_(options.terrace_range_mm), shapes_(std::move(shapes)) {
+    : shapes_(std::move(shapes)) {
+    for (std::size_t state = 0; state < options.voxels.size(); ++state) {
+        for (int a = 0; a < 3; ++a) {
+            terrace_range_mm_[3 * state + a] =
+                options.terrace_range_spacings * options.voxels[state].spacing[a];
+        }
+    }
     const auto driven = positions(recovery.driven);
     const auto observed = positions(recovery.observed);
     std::vector<int> surfaces_at(recovery.model.mesh.nodes.size(), 0);
@@ -70,9 +99,8 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             // one interface node.
             const double share = std::min(1.0, area[v] / options.independent_area_mm2);
             row.independent_mm = options.noise_mm * std::sqrt(surfaces_at[node] / share);
-            double terraces = 0;
-            for (const auto& voxels : options.voxels) terraces += voxels.terrace_variance(normal);
-            row.correlated_mm = std::sqrt(terraces * surfaces_at[node]);
+            row.terraces = terraces_at(row.place, normal, options.voxels);
+            row.terraces.waves *= std::sqrt(surfaces_at[node]);
             rows_.push_back(row);
         }
     }

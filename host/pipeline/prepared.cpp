@@ -75,7 +75,6 @@ ObservationOptions observation_options(const Settings& settings, const LabelledS
     ObservationOptions options;
     options.noise_mm = settings.prior.noise_voxels * voxel;
     options.independent_area_mm2 = 2.0 * voxel * voxel;
-    options.terrace_range_mm = 4.0 * voxel;
     options.voxels = {
         voxel_planes(reference, Mat3::Identity()),
         voxel_planes(target.state, target.alignment.reference_to_target.rotation.transpose())};

@@ -50,12 +50,14 @@ struct Fixture {
                 region(3, {2, 3, 4}, {1, 3})};
     }
     std::vector<LinearRow> make_rows() {
-        std::vector<LinearRow> result;
-        for (Index k = 0; k < num_driven; ++k) {
-            result.push_back({true, k, Vec3(noise(3)).normalized(), normal(random), 0.3});
-        }
-        for (Index k = 0; k < num_observed; ++k) {
-            result.push_back({false, k, Vec3(noise(3)).normalized(), normal(random), 0.4});
+        std::vector<LinearRow> result(num_driven + num_observed);
+        for (Index k = 0; k < num_driven + num_observed; ++k) {
+            LinearRow& row = result[k];
+            row.on_driven = k < num_driven;
+            row.position = row.on_driven ? k : k - num_driven;
+            row.normal = Vec3(noise(3)).normalized();
+            row.residual_mm = normal(random);
+            row.independent_mm = row.on_driven ? 0.3 : 0.4;
         }
         return result;
     }

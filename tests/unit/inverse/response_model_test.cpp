@@ -78,10 +78,10 @@ struct Chain {
                 row.normal = Vec3(noise(3)).normalized();
                 row.residual_mm = normal(random);
                 row.independent_mm = 0.2;
-                row.correlated_mm = 0.3;
+                row.terraces.waves.col(0) = 0.3 * Eigen::Vector2d(std::cos(k), std::sin(k));
                 row.surface = on_driven ? (k < num_driven / 2 ? 0 : 1) : 2;
                 row.place = Vec3(k, 0, 0);
-                row.range_mm = 3;
+                row.range_mm[0] = 3;
                 result.push_back(row);
             }
         }
