@@ -14,6 +14,7 @@
 
 #include "host/study/study_folder.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/serial_blas.hpp"
 
 namespace palpate {
 namespace {
@@ -51,6 +52,8 @@ public:
 
     StudyRun run() {
         write_rows();
+        std::optional<SerialBlas> serial;  // cases side by side leave it no core of its own
+        if (options_.jobs > 1) serial.emplace();
         std::vector<std::thread> threads;
         for (int t = 1; t < std::min<int>(options_.jobs, int(waiting_.size())); ++t)
             threads.emplace_back([this] { work(); });
