@@ -6,6 +6,8 @@
 //   mesh_to_answer      condensing, response model, search, full solve
 //   further_target      distances to search to full solve, the reference being prepared
 //   voxels_to_answer    label volumes in memory to the whole result
+//   nested_baseline     the published search from the same mesh, without any condensing, until it
+//                       stops or `nested_limit_s` have passed
 #include <benchmark/benchmark.h>
 #include <fmt/core.h>
 
@@ -30,6 +32,7 @@ struct Size {
 };
 constexpr Size sizes[] = {{"small", 3000, 1200, 2.0}, {"seed_size", 30000, 6000, 1.0}};
 constexpr double true_kpa = 90;
+constexpr double nested_limit_s = 300;
 
 /// A phantom with everything that stands before the timed part.
 struct Case {
@@ -126,6 +129,24 @@ void voxels_to_answer(benchmark::State& state, const Size& size) {
     }
 }
 
+void nested_baseline(benchmark::State& state, const Size& size) {
+    const Case& input = case_of(size);
+    RecoverOptions options = input.options;
+    options.method = SearchMethod::nested_lbfgs;
+    options.nested.time_limit_s = nested_limit_s;
+    Recovered found;
+    for (auto _ : state) {
+        StageTimer timer;
+        found = search_target(input.prepared, input.aligned, options, timer, {});
+        timer.stop();
+        add_times(state, timer);
+    }
+    const double kpa = std::exp(found.estimate.theta[0]);
+    state.counters["kpa"] = kpa;
+    state.counters["error_percent"] = 100 * (kpa / true_kpa - 1);
+    state.counters["converged"] = found.estimate.termination.converged;
+}
+
 using Body = void (*)(benchmark::State&, const Size&);
 
 void run_checked(benchmark::State& state, Body body, const Size& size) {
@@ -139,7 +160,8 @@ void run_checked(benchmark::State& state, Body body, const Size& size) {
 void register_all() {
     const std::pair<const char*, Body> bodies[] = {{"mesh_to_answer", mesh_to_answer},
                                                    {"further_target", further_target},
-                                                   {"voxels_to_answer", voxels_to_answer}};
+                                                   {"voxels_to_answer", voxels_to_answer},
+                                                   {"nested_baseline", nested_baseline}};
     for (const Size& size : sizes) {
         for (const auto& [name, body] : bodies) {
             benchmark::RegisterBenchmark(
