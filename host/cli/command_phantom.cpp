@@ -17,6 +17,7 @@ namespace {
 struct PhantomArguments {
     PelvisOptions pelvis;
     std::vector<double> spacing{1, 1, 1};
+    std::vector<double> zones_kpa;
     std::string out;
     SolverArguments solver;
     MesherArguments mesher;
@@ -31,6 +32,9 @@ int run_pelvis(PhantomArguments arguments) {
     }
     arguments.pelvis.spacing =
         Vec3(arguments.spacing[0], arguments.spacing[1], arguments.spacing[2]);
+    if (!arguments.zones_kpa.empty()) {
+        arguments.pelvis.zone_stiffness_kpa = {arguments.zones_kpa[0], arguments.zones_kpa[1]};
+    }
     arguments.pelvis.num_nodes = arguments.mesher.nodes;
     const auto progress = console_progress(arguments.quiet);
     const PelvisPhantom phantom = make_pelvis(arguments.pelvis, solver_options(arguments.solver),
@@ -55,6 +59,12 @@ void add_phantom(CLI::App& app, Run& run) {
     pelvis->add_option("--stiffness-kpa", options.stiffness_kpa, "Of the prostate")
         ->check(CLI::Range(1.0, 10000.0))
         ->capture_default_str();
+    pelvis
+        ->add_option("--zone-stiffness-kpa", arguments->zones_kpa,
+                     "Two labelled zones instead: of transition and peripheral zone")
+        ->expected(2)
+        ->excludes("--stiffness-kpa")
+        ->check(CLI::Range(1.0, 10000.0));
     pelvis->add_option("--poisson-ratio", options.poisson_ratio, "Of the prostate")
         ->check(CLI::Range(0.0, 0.49))
         ->capture_default_str();
@@ -62,6 +72,11 @@ void add_phantom(CLI::App& app, Run& run) {
         ->add_option("--tangential", options.tangential_factor,
                      "Factor on the walls' motion along themselves")
         ->check(CLI::Range(0.0, 10.0))
+        ->capture_default_str();
+    pelvis
+        ->add_option("--load-factor", options.load_factor,
+                     "On the walls' motion; with 0 nothing moves")
+        ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
     pelvis
         ->add_option("--tumour-fraction", options.tumour_fraction,

@@ -93,7 +93,7 @@ WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearEl
 }
 
 Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
-                            const std::vector<WallMotion>& motions,
+                            const std::vector<WallMotion>& motions, double load_factor,
                             const LinearSolverOptions& options, const ProgressSink& progress) {
     const WallProblem problem = make_wall_problem(mesh, materials, motions);
     Columns u;
@@ -109,6 +109,7 @@ Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElas
     for (Index n = 0; n < mesh.mesh.num_nodes(); ++n) {
         deformation.displacement[n] = Vec3(u(3 * n, 0), u(3 * n + 1, 0), u(3 * n + 2, 0));
     }
+    deformation.load_scale = load_factor;
     scale_load(mesh.mesh, deformation);
     return deformation;
 }

@@ -31,12 +31,12 @@ struct Deformation {
     LinearSolverSummary solve;
 };
 
-/// Solves linear elasticity with the walls' motion prescribed and bones and box fixed, then scales
-/// the load down until det(I + grad u) > 0.2 in every tet.
+/// Solves linear elasticity with the walls' motion prescribed and bones and box fixed, times
+/// `load_factor`, then scales the load down until det(I + grad u) > 0.2 in every tet.
 ///   materials  by region number
 /// Throws Error(solve_failed) if the solver misses its tolerance.
 Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
-                            const std::vector<WallMotion>& motions,
+                            const std::vector<WallMotion>& motions, double load_factor,
                             const LinearSolverOptions& options, const ProgressSink& progress);
 
 /// Nodal forces K u (mN), [num_nodes]; summed over the nodes of a wall they are its resultant.

@@ -13,6 +13,7 @@
 #include "host/phantom/tumour.hpp"
 #include "host/phantom/voxelise.hpp"
 #include "host/phantom/wall_motion.hpp"
+#include "host/phantom/zones.hpp"
 #include "host/surfaces/extract.hpp"
 #include "solver/base/error.hpp"
 
@@ -20,6 +21,7 @@ namespace palpate {
 namespace {
 
 constexpr Index prostate_region = first_organ_region + prostate;
+constexpr Index transition_zone_region = first_organ_region + num_pelvis_organs;
 const std::vector<Index> hollow_regions{first_organ_region + bladder, first_organ_region + rectum,
                                         first_organ_region + bone_left,
                                         first_organ_region + bone_right};
@@ -41,6 +43,13 @@ void check_options(const PelvisOptions& options) {
     check_range("tangential_factor", options.tangential_factor, 0, 10);
     check_range("tumour_fraction", options.tumour_fraction, 0, 0.95);
     check_range("tumour_stiffness_kpa", options.tumour_stiffness_kpa, 1, 10000);
+    check_range("load_factor", options.load_factor, 0, 1);
+    if (options.zone_stiffness_kpa) {
+        for (const double kpa : *options.zone_stiffness_kpa) {
+            check_range("zone_stiffness_kpa", kpa, 1, 10000);
+        }
+        check_range("tumour_fraction (with zones)", options.tumour_fraction, 0, 0);
+    }
     for (int axis = 0; axis < 3; ++axis) check_range("spacing", options.spacing[axis], 0.3, 8);
 }
 
@@ -56,7 +65,17 @@ Settings make_settings(const PelvisOptions& options) {
         {"bone_left", 4, Role::fixed, true, {}, 0.40},
         {"bone_right", 5, Role::fixed, true, {}, 0.40},
     };
+    if (options.zone_stiffness_kpa) {
+        settings.organs[prostate].name = "peripheral_zone";
+        settings.organs.push_back(
+            {"transition_zone", 6, Role::tissue, false, {}, options.poisson_ratio});
+    }
     return settings;
+}
+
+/// Of the prostate: its two zones, or the one that it has.
+bool is_prostate(Index region) {
+    return region == prostate_region || region == transition_zone_region;
 }
 
 /// By region number, the tumour's last; hollow regions hold no tets, their entries are never used.
@@ -66,6 +85,11 @@ std::vector<LinearElastic> make_materials(const PelvisOptions& options, Index nu
                                     options.background_poisson_ratio};
     materials[prostate_region] = {options.stiffness_kpa, options.poisson_ratio};
     materials.back() = {options.tumour_stiffness_kpa, options.poisson_ratio};
+    if (options.zone_stiffness_kpa) {
+        const auto& [transition, peripheral] = *options.zone_stiffness_kpa;
+        materials[prostate_region].stiffness_kpa = peripheral;
+        materials[transition_zone_region] = {transition, options.poisson_ratio};
+    }
     return materials;
 }
 
@@ -89,7 +113,11 @@ RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions
     const Settings settings = make_settings(options);
     // A lattice that no image has: on the image's own, the truth's surface would be the very one
     // that is found again from its voxels (0.02 mm apart instead of about 0.1).
-    const RegionImage image = fill_shapes(anatomy, grid_of_box(anatomy, Vec3::Constant(0.77)));
+    RegionImage image = fill_shapes(anatomy, grid_of_box(anatomy, Vec3::Constant(0.77)));
+    if (options.zone_stiffness_kpa) {
+        mark_zone(image, make_transition_zone(anatomy.organs[prostate], options.seed),
+                  prostate_region, transition_zone_region);
+    }
     const LabelField field(image, settings.num_regions());
     SurfaceOptions surface_options;
     surface_options.edge_length_mm = mesher.edge_length_mm;
@@ -123,7 +151,7 @@ void add_landmarks(PelvisPhantom& phantom, const PelvisAnatomy& anatomy, unsigne
     std::vector<double> volume_up_to;
     double volume = 0;
     for (Index t = 0; t < mesh.num_tets(); ++t) {
-        if (mesh.region[t] != prostate_region) continue;
+        if (!is_prostate(mesh.region[t])) continue;
         tets.push_back(t);
         volume_up_to.push_back(volume += tet_volume(mesh, t));
     }
@@ -172,9 +200,10 @@ std::pair<double, double> shape_change(const std::vector<Vec3>& x, const std::ve
 
 void describe_prostate(const PelvisPhantom& phantom, PelvisTruth& truth) {
     const auto on_prostate = nodes_on_region(phantom.mesh, prostate_region);
+    const auto on_transition_zone = nodes_on_region(phantom.mesh, transition_zone_region);
     std::vector<Vec3> x, u;
     for (std::size_t n = 0; n < on_prostate.size(); ++n) {
-        if (!on_prostate[n]) continue;
+        if (!on_prostate[n] && !on_transition_zone[n]) continue;
         x.push_back(phantom.mesh.mesh.nodes[n]);
         u.push_back(phantom.displacement[n]);
         truth.prostate_mean_displacement_mm += u.back().norm();
@@ -236,7 +265,8 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
         make_wall_motions(anatomy, options.seed, options.tangential_factor);
     const RegionMesh loaded =
         with_tumour(phantom.mesh, anatomy, options, phantom.settings.num_regions());
-    Deformation deformation = deform_by_walls(loaded, materials, motions, solver, progress);
+    Deformation deformation =
+        deform_by_walls(loaded, materials, motions, options.load_factor, solver, progress);
     phantom.displacement = std::move(deformation.displacement);
 
     report_progress(progress, "voxelising", 0);

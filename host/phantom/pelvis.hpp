@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,10 @@ struct PelvisOptions {
     double tangential_factor = 1;  ///< on the walls' motion along themselves
     double tumour_fraction = 0;    ///< of the prostate's volume that is tumour, 0..0.95; no label
     double tumour_stiffness_kpa = 100;
+    /// Of transition and peripheral zone, 1..10000, which get labels of their own in place of the
+    /// one prostate; empty: one zone of `stiffness_kpa`.
+    std::optional<std::array<double, 2>> zone_stiffness_kpa;
+    double load_factor = 1;  ///< on all walls' motion, 0..1; 0: nothing moves
 };
 
 /// What was asked of one wall, and the force that it took.
@@ -64,7 +70,8 @@ struct PelvisPhantom {
 /// Steps: random implicit shapes, a fine label volume of them, surfaces, a mesh, prescribed motion
 /// of the bladder and rectum walls (filling, emptying, a push towards the prostate, a small
 /// tangential part), linear elasticity, and voxels from the undeformed and the deformed mesh.
-/// A tumour is part of the prostate in labels and mesh; only the truth is solved with it.
+/// A tumour is part of the prostate in labels and mesh; only the truth is solved with it. Zones are
+/// regions of labels, mesh and settings: "peripheral_zone" (label 1) and "transition_zone" (6).
 /// `solver`, `mesher` give the means; size and edge lengths of the mesh come from `options`.
 /// Throws Error(invalid_argument) for an option out of range, and what meshing and solving throw.
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,

@@ -33,6 +33,11 @@ Json walls_to_json(const PelvisTruth& truth) {
     return walls;
 }
 
+double true_stiffness_kpa(const std::string& organ, const PelvisOptions& options) {
+    if (!options.zone_stiffness_kpa) return options.stiffness_kpa;
+    return options.zone_stiffness_kpa->at(organ == "transition_zone" ? 0 : 1);
+}
+
 Json regions_to_json(const PelvisPhantom& phantom, const PelvisOptions& options) {
     Json regions = Json::array({{{"name", "background"},
                                  {"label", 0},
@@ -42,7 +47,7 @@ Json regions_to_json(const PelvisPhantom& phantom, const PelvisOptions& options)
     for (const OrganSettings& organ : phantom.settings.organs) {
         Json region{{"name", organ.name}, {"label", organ.label}, {"role", name_of(organ.role)}};
         if (organ.role == Role::tissue) {
-            region["stiffness_kpa"] = options.stiffness_kpa;
+            region["stiffness_kpa"] = true_stiffness_kpa(organ.name, options);
             region["poisson_ratio"] = options.poisson_ratio;
             if (options.tumour_fraction > 0) {
                 region["tumour"] = {{"fraction", options.tumour_fraction},

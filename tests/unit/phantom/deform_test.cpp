@@ -89,7 +89,7 @@ TEST_F(DeformedPelvis, MovesWallsAsPrescribedHoldsBonesAndCrushesNoElement) {
     LinearSolverOptions options;
     options.backend = "reference";
 
-    const Deformation result = deform_by_walls(block, materials, motions, options, {});
+    const Deformation result = deform_by_walls(block, materials, motions, 1, options, {});
 
     double smallest = std::numeric_limits<double>::max();
     for (const Tet& t : block.mesh.tets) {
@@ -124,7 +124,7 @@ TEST_F(DeformedPelvis, BalancesForcesBetweenWallsBonesAndBox) {
     LinearSolverOptions options;
     options.backend = "reference";
     const Deformation result =
-        deform_by_walls(block, materials, make_wall_motions(anatomy, 1), options, {});
+        deform_by_walls(block, materials, make_wall_motions(anatomy, 1), 1, options, {});
 
     const auto forces = nodal_forces(block.mesh, materials, result.displacement);
 

@@ -79,6 +79,19 @@ TEST_F(PelvisFiles, HoldVolumesSettingsLandmarksAndTruth) {
     EXPECT_EQ(truth["peak_displacement_mm"], 8.5);
 }
 
+TEST_F(PelvisFiles, NameTheStiffnessOfBothZones) {
+    PelvisPhantom phantom = tiny_phantom();
+    phantom.settings.organs[0].name = "peripheral_zone";
+    phantom.settings.organs.push_back({"transition_zone", 6, Role::tissue, false, {}, 0.40});
+    options.zone_stiffness_kpa = {210.0, 55.0};
+
+    write_pelvis(phantom, options, folder / "a");
+
+    const auto truth = nlohmann::json::parse(text_of(folder / "a" / "truth.json"));
+    EXPECT_EQ(truth["regions"][1]["stiffness_kpa"], 55);
+    EXPECT_EQ(truth["regions"][3]["stiffness_kpa"], 210);
+}
+
 TEST_F(PelvisFiles, AreTheSameBytesForTheSamePhantom) {
     write_pelvis(tiny_phantom(), options, folder / "a");
     write_pelvis(tiny_phantom(), options, folder / "b");

@@ -115,6 +115,38 @@ TEST(Pelvis, IsTheSameForTheSameSeed) {
     EXPECT_EQ(first.reference.grid.spacing, spacing);
 }
 
+TEST(Pelvis, WithZonesHasTheSameProstateInTwoLabels) {
+    PelvisOptions options;
+    options.num_nodes = 3500;
+    options.spacing = Vec3::Constant(2);
+    const PelvisPhantom one = make_pelvis(options, {}, {});
+    options.zone_stiffness_kpa = {200.0, 50.0};
+
+    const PelvisPhantom two = make_pelvis(options, {}, {});
+
+    EXPECT_EQ(two.settings.organs[0].name, "peripheral_zone");
+    EXPECT_EQ(two.settings.organs.back().name, "transition_zone");
+    EXPECT_FALSE(two.settings.organs.back().stiffness_kpa.has_value());
+    auto volume = volumes_cm3(two.reference), whole = volumes_cm3(one.reference);
+    EXPECT_GT(volume[6], 0.2 * whole[1]);
+    EXPECT_GT(volume[1], 0.4 * whole[1]);
+    EXPECT_NEAR(volume[1] + volume[6], whole[1], 0.03 * whole[1]);
+    EXPECT_EQ(two.landmarks.size(), 200u);
+}
+
+TEST(Pelvis, StandsStillWithoutLoad) {
+    PelvisOptions options;
+    options.num_nodes = 3500;
+    options.spacing = Vec3::Constant(2);
+    options.load_factor = 0;
+
+    const PelvisPhantom still = make_pelvis(options, {}, {});
+
+    EXPECT_EQ(still.reference.voxels, still.target.voxels);
+    EXPECT_EQ(still.truth.peak_displacement_mm, 0);
+    EXPECT_EQ(still.truth.walls.at(0).resultant_force_mn.norm(), 0);
+}
+
 TEST(Pelvis, RefusesOptionsOutOfRange) {
     PelvisOptions options;
     options.stiffness_kpa = 0;
@@ -124,6 +156,12 @@ TEST(Pelvis, RefusesOptionsOutOfRange) {
     EXPECT_THROW(make_pelvis(options, {}, {}), Error);
     options = {};
     options.spacing[1] = 0;
+    EXPECT_THROW(make_pelvis(options, {}, {}), Error);
+    options = {};
+    options.zone_stiffness_kpa = {50.0, 0.0};
+    EXPECT_THROW(make_pelvis(options, {}, {}), Error);
+    options.zone_stiffness_kpa = {50.0, 60.0};
+    options.tumour_fraction = 0.1;
     EXPECT_THROW(make_pelvis(options, {}, {}), Error);
 }
 
