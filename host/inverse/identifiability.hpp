@@ -13,10 +13,25 @@ struct Verdict {
     std::string reason;   ///< one sentence
 };
 
-/// A modulus is *recovered* if its 95 % interval spans at most a factor of 2, *weak* if more, *not
-/// identifiable* if the data narrow the prior by less than a third (method.md section 3).
-///   sd_ln, prior_sd_ln  posterior and prior standard deviation of ln E
-Verdict judge(const std::array<double, 2>& interval_kpa, double sd_ln, double prior_sd_ln);
+/// What is known of one modulus after a search.
+struct ModulusEvidence {
+    std::array<double, 2> interval_kpa{1, 1};  ///< 95 %
+    double sd_ln = 0, prior_sd_ln = 1;         ///< posterior and prior standard deviation of ln E
+    double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (uncertainty.hpp)
+    bool excludes_soft = true, excludes_stiff = true;  ///< whether data without prior bound it
+    std::string partner;  ///< the organ whose modulus correlates most; may be empty
+    double partner_correlation = 0;
+};
+
+/// A modulus is *recovered* if its 95 % interval spans at most a factor of 2 and the images bound
+/// it on both sides, *weak* if not, *not identifiable* if the data, or the motion that they show,
+/// narrow the prior by less than a third (method.md section 3).
+Verdict judge(const ModulusEvidence& evidence);
+
+/// The prior's 95 % interval of a modulus with this median, widened to hold `interval_kpa`: all
+/// that is known of a modulus that is not identifiable.
+std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
+                                      double prior_sd_ln);
 
 /// For a region that no observed surface touches: its modulus has no influence on the data.
 Verdict judge_unobserved(bool surface_is_driven);

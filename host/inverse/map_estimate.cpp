@@ -277,10 +277,15 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.posterior = std::make_shared<LinearisedProblem>(linearise(state));
     const LinearisedProblem& problem = *estimate.posterior;
     estimate.covariance = laplace_covariance(problem, state.theta);
+    const Eigen::MatrixXd information = problem.seen_information(state.theta);
+    estimate.seen_sd_ln = seen_sd_ln(information, priors_);
+    estimate.sensitivity = scaled_sensitivity(information, priors_);
     for (Index k = 0; k < problem.num_unknown(); ++k) {
         estimate.profiles.push_back(profile_of(problem, state.theta, estimate.covariance, k));
         estimate.interval_kpa.push_back(
             profile_interval(estimate.profiles.back(), std::exp(state.theta[k])));
+        estimate.excluded_ends.push_back(
+            excluded_ends(problem, state.theta, estimate.covariance, k, bounds_));
     }
     return estimate;
 }

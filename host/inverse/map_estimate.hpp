@@ -9,6 +9,7 @@
 
 #include "host/inverse/marginal.hpp"
 #include "host/inverse/records.hpp"
+#include "host/inverse/uncertainty.hpp"
 #include "host/objectives/surface_observations.hpp"
 #include "solver/base/log.hpp"
 
@@ -36,6 +37,9 @@ struct MapEstimate {
     Eigen::MatrixXd covariance;                       ///< of theta, Laplace approximation
     std::vector<std::array<double, 2>> interval_kpa;  ///< 95 %, from the profile of F
     std::vector<ProfileResult> profiles;
+    Eigen::VectorXd seen_sd_ln;                      ///< see uncertainty.hpp, as the next two
+    std::vector<std::array<bool, 2>> excluded_ends;  ///< [num unknown], softest, stiffest
+    ScaledSensitivity sensitivity;
     /// The problem linearised at the estimate, for the uncertainty of whatever follows from the
     /// wall motion; valid as long as the response model and the walls' prior are.
     std::shared_ptr<const LinearisedProblem> posterior;

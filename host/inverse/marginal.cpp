@@ -200,6 +200,38 @@ Eigen::MatrixXd LinearisedProblem::motion_covariance(const Eigen::VectorXd& thet
            seen.transpose() * response.inner.solve(seen);
 }
 
+// J c = -G_o V x, S x = T c: the change of x is S^-1 (T' c - S' x), with c = N m + P w.
+Eigen::MatrixXd LinearisedProblem::seen_information(const Eigen::VectorXd& theta) const {
+    if (num_observed_rows() == 0) return Eigen::MatrixXd::Zero(num_unknown(), num_unknown());
+    const Response response = respond(theta);
+    Eigen::VectorXd motion(rank() + 1);
+    motion << response.motion, 1.0;
+    const Eigen::VectorXd shape = response.shapes * motion;
+    Eigen::MatrixXd change = Eigen::MatrixXd::Zero(model_.num_modes(), num_unknown());
+    for (Index k = 0; k < num_unknown(); ++k) {
+        for (std::size_t r = 0; r < coupling_.size(); ++r) {
+            const auto& region = model_.regions()[r];
+            if (region.region != unknown_[k]) continue;
+            const double kpa = response.kpa[region.region];
+            change.col(k) -= kpa * (region.stiffness * shape);
+            if (coupling_[r].size() > 0) change.col(k) += kpa * (coupling_[r] * motion);
+        }
+    }
+    response.equilibrium.solveInPlace(change);
+    const Eigen::MatrixXd unseen = response.informed.leftCols(rank()).transpose() * change;
+    return change.transpose() * information_ * change -
+           unseen.transpose() * response.inner.solve(unseen);
+}
+
+double LinearisedProblem::misfit(const Eigen::VectorXd& theta) const {
+    double prior = 0;
+    for (Index k = 0; k < num_unknown(); ++k) {
+        const double z = (theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
+        prior += 0.5 * z * z;
+    }
+    return evaluate(theta, false).objective - prior;
+}
+
 Eigen::MatrixXd LinearisedProblem::hessian(const Eigen::VectorXd& theta) const {
     constexpr double step = 1e-3;  // of ln E: 0.1 %, far above the rounding of the gradient
     const Index n = num_unknown();

@@ -52,12 +52,19 @@ public:
     /// F alone at several theta, on all cores.
     std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const;
     Fit fit(const Eigen::VectorXd& theta) const;
+    /// F less the prior of the moduli: minus the log likelihood of the observed rows.
+    double misfit(const Eigen::VectorXd& theta) const;
     /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
     /// at theta, all data seen; functionals [driven_dofs, n].
     Eigen::MatrixXd motion_covariance(const Eigen::VectorXd& theta,
                                       const Eigen::MatrixXd& functionals) const;
     /// Central differences of the gradient [num unknown, num unknown], symmetrised.
     Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const;
+
+    /// What the motion that is seen says of ln E [num unknown, num unknown]: D^T C^-1 D with
+    /// D = d(J c)/dtheta at the most probable wall motion c. It is a part of the curvature of F;
+    /// the other part rests on the spread of motions that nobody saw, that is on their prior.
+    Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const;
 
     Index num_unknown() const { return static_cast<Index>(priors_.size()); }
     /// Of the free wall motion: how many combinations of functionals the walls leave open.

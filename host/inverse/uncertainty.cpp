@@ -3,6 +3,7 @@
 #include "host/inverse/uncertainty.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -65,6 +66,40 @@ std::array<double, 2> profile_interval(const ProfileResult& profile, double best
         }
     }
     return interval;
+}
+
+Eigen::VectorXd seen_sd_ln(const Eigen::MatrixXd& information,
+                           const std::vector<ModulusPrior>& priors) {
+    Eigen::MatrixXd precision = information;
+    for (std::size_t k = 0; k < priors.size(); ++k) {
+        precision(k, k) += 1.0 / (priors[k].sd_ln * priors[k].sd_ln);
+    }
+    return precision.inverse().diagonal().cwiseSqrt();
+}
+
+ScaledSensitivity scaled_sensitivity(const Eigen::MatrixXd& information,
+                                     const std::vector<ModulusPrior>& priors) {
+    Eigen::VectorXd prior_sd(priors.size());
+    for (std::size_t k = 0; k < priors.size(); ++k) prior_sd[k] = priors[k].sd_ln;
+    const Eigen::MatrixXd scaled = prior_sd.asDiagonal() * information * prior_sd.asDiagonal();
+    if (scaled.size() == 0) return {};
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+    return {eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt(),
+            eigen.eigenvectors().rowwise().reverse()};
+}
+
+std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
+                                  const Eigen::MatrixXd& covariance, Index unknown,
+                                  const ModulusBounds& bounds) {
+    const double allowed = problem.misfit(theta) + profile_rise;
+    const Eigen::VectorXd alone = Eigen::VectorXd::Unit(theta.size(), unknown);
+    const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
+    const auto excludes = [&](double end_ln) {
+        const double step = end_ln - theta[unknown];
+        return std::min(problem.misfit(theta + step * alone),
+                        problem.misfit(theta + step * ridge)) > allowed;
+    };
+    return {excludes(bounds.lower_ln), excludes(bounds.upper_ln)};
 }
 
 std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa) {

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "host/inverse/marginal.hpp"
+#include "host/inverse/modulus_search.hpp"
 #include "host/inverse/records.hpp"
 
 namespace palpate {
@@ -25,6 +26,31 @@ ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd
 /// Where the profile has risen by `profile_rise` on either side, kPa; the end of the profile where
 /// it never does.
 std::array<double, 2> profile_interval(const ProfileResult& profile, double best_kpa);
+
+/// Standard deviations of ln E [num unknown] that prior and `information` of the motion that is
+/// seen
+/// (`LinearisedProblem::seen_information`) leave together. The curvature of F counts more: a wall
+/// that stands still, where its prior expects millimetres of sliding, makes stiff tissue likely.
+/// That is knowledge of the prior, not of the images.
+Eigen::VectorXd seen_sd_ln(const Eigen::MatrixXd& information,
+                           const std::vector<ModulusPrior>& priors);
+
+/// Of the observed distances over their noise with respect to ln E over its prior standard
+/// deviation, the wall motion projected out. Along a direction with singular value s the images
+/// narrow the prior by the factor 1 / sqrt(1 + s^2).
+struct ScaledSensitivity {
+    Eigen::VectorXd singular_values;  ///< [num unknown], largest first
+    Eigen::MatrixXd directions;       ///< [num unknown, num unknown], columns of unit length
+};
+ScaledSensitivity scaled_sensitivity(const Eigen::MatrixXd& information,
+                                     const std::vector<ModulusPrior>& priors);
+
+/// Whether the data without the prior exclude the softest and the stiffest modulus of `bounds`: the
+/// misfit there is larger by `profile_rise` than at theta, both with the other moduli held and with
+/// them along the ridge.
+std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
+                                  const Eigen::MatrixXd& covariance, Index unknown,
+                                  const ModulusBounds& bounds);
 
 /// Standard deviation of ln E that the model itself adds: linear tetrahedra of the default size and
 /// surfaces drawn from voxels. Set on 36 phantoms (truth on 30,000 nodes, both states voxelised at

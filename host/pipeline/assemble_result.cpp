@@ -48,14 +48,64 @@ RegionResult background_result(const Settings& settings) {
     return result;
 }
 
+std::vector<std::vector<double>> correlation_of(const Eigen::MatrixXd& covariance) {
+    std::vector<std::vector<double>> rows(covariance.rows());
+    for (Index a = 0; a < covariance.rows(); ++a) {
+        for (Index b = 0; b < covariance.cols(); ++b) {
+            rows[a].push_back(covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b)));
+        }
+    }
+    return rows;
+}
+
+std::vector<SensitivityResult> sensitivity_of(const ScaledSensitivity& sensitivity) {
+    std::vector<SensitivityResult> results;
+    for (Index k = 0; k < sensitivity.singular_values.size(); ++k) {
+        const auto direction = sensitivity.directions.col(k);
+        results.push_back({sensitivity.singular_values[k], {direction.begin(), direction.end()}});
+    }
+    return results;
+}
+
+/// The evidence on unknown `k`, its strongest partner among the other unknown moduli included.
+ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
+    const Index row = static_cast<Index>(k);
+    const double best_kpa = std::exp(estimate.theta[row]);
+    ModulusEvidence evidence;
+    evidence.interval_kpa = with_model_error(estimate.interval_kpa[k], best_kpa);
+    evidence.sd_ln = std::hypot(std::sqrt(estimate.covariance(row, row)), model_sd_ln);
+    evidence.prior_sd_ln = estimate.unknown[k].sd_ln;
+    evidence.seen_sd_ln = estimate.seen_sd_ln[row];
+    evidence.excludes_soft = estimate.excluded_ends[k][0];
+    evidence.excludes_stiff = estimate.excluded_ends[k][1];
+    const auto correlation = correlation_of(estimate.covariance)[k];
+    for (std::size_t other = 0; other < correlation.size(); ++other) {
+        if (other == k || std::abs(correlation[other]) <= std::abs(evidence.partner_correlation))
+            continue;
+        evidence.partner_correlation = correlation[other];
+        evidence.partner = name_of_region(settings, estimate.unknown[other].region);
+    }
+    return evidence;
+}
+
+/// Ends that the images do not give are the prior's.
+std::array<double, 2> honest_interval(const ModulusEvidence& evidence, const Verdict& verdict,
+                                      double median_kpa) {
+    auto ends = with_prior_ends(evidence.interval_kpa, median_kpa, evidence.prior_sd_ln);
+    if (verdict.verdict == "not identifiable") return ends;
+    if (evidence.excludes_soft) ends[0] = evidence.interval_kpa[0];
+    if (evidence.excludes_stiff) ends[1] = evidence.interval_kpa[1];
+    return ends;
+}
+
 void describe_unknown(const Recovered& found, const Settings& settings, RegionResult& result) {
     const auto& estimate = found.estimate;
     result.unknown = true;
     result.stiffness_kpa = found.recovery.model.materials[result.region].stiffness_kpa;
     Verdict verdict = judge_unobserved(result.role == "driven");
     result.sd_ln = settings.prior.stiffness_sd_ln;
-    const double spread = std::exp(1.96 * result.sd_ln);
-    result.interval_kpa = {result.stiffness_kpa / spread, result.stiffness_kpa * spread};
+    result.interval_kpa = with_prior_ends({result.stiffness_kpa, result.stiffness_kpa},
+                                          result.stiffness_kpa, result.sd_ln);
     for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
         if (estimate.unknown[k].region != result.region) continue;
         if (estimate.interval_kpa.empty()) {
@@ -64,10 +114,13 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
             verdict = not_judged("nested-lbfgs");
             continue;
         }
-        const Index row = static_cast<Index>(k);
-        result.interval_kpa = with_model_error(estimate.interval_kpa[k], result.stiffness_kpa);
-        result.sd_ln = std::hypot(std::sqrt(estimate.covariance(row, row)), model_sd_ln);
-        verdict = judge(result.interval_kpa, result.sd_ln, estimate.unknown[k].sd_ln);
+        const ModulusEvidence evidence = evidence_of(estimate, k, settings);
+        verdict = judge(evidence);
+        result.interval_kpa =
+            honest_interval(evidence, verdict, std::exp(estimate.unknown[k].mean_ln));
+        result.sd_ln = verdict.verdict == "not identifiable"
+                           ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
+                           : evidence.sd_ln;
     }
     if (!has_known_tissue(settings)) verdict = judge_without_reference();
     result.verdict = verdict.verdict;
@@ -156,16 +209,6 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelF
     return result;
 }
 
-std::vector<std::vector<double>> correlation_of(const Eigen::MatrixXd& covariance) {
-    std::vector<std::vector<double>> rows(covariance.rows());
-    for (Index a = 0; a < covariance.rows(); ++a) {
-        for (Index b = 0; b < covariance.cols(); ++b) {
-            rows[a].push_back(covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b)));
-        }
-    }
-    return rows;
-}
-
 bool touches_border(const RegionSurface& surface, Index region) {
     for (Index t = 0; t < surface.num_triangles(); ++t) {
         if (!surface.on_image_border[t]) continue;
@@ -210,6 +253,7 @@ RecoveryResult assemble_result(const Recovered& found, const RegionImage& refere
     }
     result.regions = region_results(found, settings);
     result.correlation = correlation_of(found.estimate.covariance);
+    result.sensitivity = sensitivity_of(found.estimate.sensitivity);
     for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {
         result.surfaces.push_back(surface_result(found, s, target_field, settings));
         result.surfaces.back().cut_by_image =

@@ -36,6 +36,15 @@ struct RegionResult {
     std::string reason;  ///< one sentence in words
 };
 
+/// One combination of unknown moduli and how much the images say of it.
+struct SensitivityResult {
+    /// Of the observed distances over their noise with respect to ln E over its prior standard
+    /// deviation, the wall motion projected out: the images narrow the prior along this direction
+    /// by the factor 1 / sqrt(1 + s^2).
+    double singular_value = 0;
+    std::vector<double> direction;  ///< unit length, by unknown region in order
+};
+
 /// Agreement of one organ's surface with its target, before (aligned) and after.
 struct SurfaceResult {
     Index region = 0;
@@ -68,6 +77,7 @@ struct RecoveryResult {
     std::vector<double> tet_stiffness_kpa;  ///< [num_tets]
     std::vector<RegionResult> regions;
     std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order
+    std::vector<SensitivityResult> sensitivity;    ///< largest first; empty if not computed
     std::vector<SurfaceResult> surfaces;
     std::vector<ProfileResult> profiles;
     std::vector<IterationRecord> convergence;

@@ -128,6 +128,52 @@ TEST(Marginal, GradientMatchesCentralDifferences) {
     }
 }
 
+TEST(Marginal, InformationIsThatOfTheDistancesAtTheMostProbableMotion) {
+    // Central differences of the predicted distances, and a dense C.
+    Fixture f;
+    const Eigen::Vector2d theta(3.6, 4.1);
+    const auto problem = f.problem();
+    const Eigen::VectorXd motion = problem.fit(theta).driven;
+    Eigen::MatrixXd normals = Eigen::MatrixXd::Zero(5, 15);
+    Eigen::MatrixXd hessian = 0.2 * Eigen::MatrixXd::Identity(12, 12);
+    for (const auto& row : f.rows) {
+        const Index first = 3 * row.position;
+        if (row.on_driven) {
+            hessian.block<3, 3>(first, first) +=
+                row.normal * row.normal.transpose() / noise_variance(row);
+        } else {
+            normals.block<1, 3>(row.position, first) = row.normal.transpose();
+        }
+    }
+    const auto distances = [&](const Eigen::VectorXd& at, const Eigen::VectorXd& driven) {
+        return Eigen::VectorXd(
+            normals * f.response.observed_displacement(f.response.moduli({2, 3}, at), driven));
+    };
+    Eigen::MatrixXd jacobian(5, 12), change(5, 2);
+    for (Index c = 0; c < 12; ++c) jacobian.col(c) = distances(theta, Eigen::VectorXd::Unit(12, c));
+    for (Index k = 0; k < 2; ++k) {
+        const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(2, k);
+        change.col(k) = (distances(theta + step, motion) - distances(theta - step, motion)) / 2e-5;
+    }
+    const Eigen::MatrixXd covariance = jacobian * hessian.inverse() * jacobian.transpose() +
+                                       0.16 * Eigen::MatrixXd::Identity(5, 5);
+    const Eigen::MatrixXd expected = change.transpose() * covariance.inverse() * change;
+
+    const Eigen::MatrixXd found = problem.seen_information(theta);
+
+    EXPECT_LT((found - expected).norm(), 1e-6 * expected.norm());
+}
+
+TEST(Marginal, MisfitIsTheObjectiveWithoutThePriorOfTheModuli) {
+    Fixture f;
+    const Eigen::Vector2d theta(3.6, 4.1);
+    const auto problem = f.problem();
+    double prior = 0;
+    for (int k = 0; k < 2; ++k) prior += 0.5 * std::pow((theta[k] - std::log(60.0)) / 1.2, 2);
+
+    EXPECT_NEAR(problem.misfit(theta) + prior, problem.evaluate(theta, false).objective, 1e-9);
+}
+
 TEST(Marginal, SearchEndsWhereTheGradientVanishes) {
     Fixture f;
     const auto problem = f.problem();
@@ -160,6 +206,26 @@ TEST(Uncertainty, ProfileIntervalOfAParabolaIsTheGaussianOne) {
 
     EXPECT_NEAR(std::log(interval[1] / 80), 1.96 * sd, 1e-3);
     EXPECT_NEAR(std::log(interval[0] / 80), -1.96 * sd, 1e-3);
+}
+
+TEST(Uncertainty, SingularValuesNarrowThePriorAlongTheirDirections) {
+    const std::vector<ModulusPrior> priors{{2, 4, 1.5}, {3, 4, 1.5}};
+    Eigen::Matrix2d information;
+    information << 5, 3, 3, 5;  // eigenvalues 8 along (1, 1), 2 along (1, -1)
+
+    const ScaledSensitivity found = scaled_sensitivity(information, priors);
+
+    EXPECT_NEAR(found.singular_values[0], 1.5 * std::sqrt(8.0), 1e-12);
+    EXPECT_NEAR(found.singular_values[1], 1.5 * std::sqrt(2.0), 1e-12);
+    EXPECT_NEAR(std::abs(found.directions.col(0).dot(Eigen::Vector2d(1, 1))), std::sqrt(2.0),
+                1e-12);
+    // Posterior variance: half of each direction's.
+    const double expected = 0.5 / (8 + 1 / 2.25) + 0.5 / (2 + 1 / 2.25);
+    EXPECT_NEAR(std::pow(seen_sd_ln(information, priors)[0], 2), expected, 1e-12);
+}
+
+TEST(Uncertainty, WithoutInformationThePriorIsLeft) {
+    EXPECT_EQ(seen_sd_ln(Eigen::MatrixXd::Zero(1, 1), {{2, 4, 1.2}})[0], 1.2);
 }
 
 TEST(Uncertainty, ModelErrorAddsInQuadratureOnBothSides) {

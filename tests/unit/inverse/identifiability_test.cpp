@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/inverse/identifiability.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+ModulusEvidence clear_evidence() {
+    ModulusEvidence evidence;
+    evidence.interval_kpa = {80, 120};
+    evidence.sd_ln = 0.1;
+    evidence.seen_sd_ln = 0.1;
+    evidence.prior_sd_ln = 1.2;
+    return evidence;
+}
+
+bool says(const Verdict& verdict, const char* text) {
+    return verdict.reason.find(text) != std::string::npos;
+}
+
+TEST(Identifiability, ANarrowIntervalIsRecoveredAndAWideOneWeak) {
+    ModulusEvidence evidence = clear_evidence();
+    EXPECT_EQ(judge(evidence).verdict, "recovered");
+
+    evidence.interval_kpa = {50, 120};
+    EXPECT_EQ(judge(evidence).verdict, "weak");
+}
+
+TEST(Identifiability, AnOrganThatStandsStillIsNotIdentifiableHoweverSteepItsPosterior) {
+    ModulusEvidence evidence = clear_evidence();
+    evidence.seen_sd_ln = 1.19;
+
+    const Verdict verdict = judge(evidence);
+
+    EXPECT_EQ(verdict.verdict, "not identifiable");
+    EXPECT_TRUE(says(verdict, "1.19 against 1.20")) << verdict.reason;
+}
+
+TEST(Identifiability, ARigidOrganHasALowerBoundOnly) {
+    ModulusEvidence evidence = clear_evidence();
+    evidence.interval_kpa = {1350, 2500};
+    evidence.excludes_stiff = false;
+
+    const Verdict verdict = judge(evidence);
+
+    EXPECT_EQ(verdict.verdict, "weak");
+    EXPECT_TRUE(says(verdict, "only a lower bound is known, 1.35e+03 kPa") ||
+                says(verdict, "only a lower bound is known, 1350 kPa"))
+        << verdict.reason;
+    evidence.excludes_soft = false;
+    EXPECT_EQ(judge(evidence).verdict, "not identifiable");
+}
+
+TEST(Identifiability, ModuliThatTradeAreNamed) {
+    ModulusEvidence evidence = clear_evidence();
+    evidence.partner = "outer zone";
+    evidence.partner_correlation = -0.7;
+    EXPECT_FALSE(says(judge(evidence), "trades"));
+
+    evidence.partner_correlation = -0.96;
+
+    EXPECT_TRUE(says(judge(evidence), "trades with that of outer zone (correlation -0.96)"));
+}
+
+TEST(Identifiability, PriorEndsOnlyWiden) {
+    const auto narrow = with_prior_ends({90, 110}, 100, 1);
+    EXPECT_NEAR(narrow[0], 100 * std::exp(-1.96), 1e-9);
+    EXPECT_NEAR(narrow[1], 100 * std::exp(1.96), 1e-9);
+
+    const auto wide = with_prior_ends({1, 5000}, 100, 1);
+    EXPECT_EQ(wide[0], 1);
+    EXPECT_EQ(wide[1], 5000);
+}
+
+}  // namespace
+}  // namespace palpate
