@@ -77,7 +77,8 @@ std::string html_report(const RecoveryResult& result, bool include_file_names) {
          {"certainty", section("certainty", "How sure is it",
                                figures.empty() ? ""
                                                : "<div class='figures'>" + figures +
-                                                     correlation_table_html(result) + "</div>")},
+                                                     correlation_table_html(result) +
+                                                     sensitivity_table_html(result) + "</div>")},
          {"details", details_html(result)},
          {"settings", escape_html(to_toml(result.settings))},
          {"data", viewer_data(result, volumes)},

@@ -95,6 +95,27 @@ std::string timings_table(const RecoveryResult& result) {
                      decimals(total_seconds(result), 2));
 }
 
+/// Escaped names of the unknown regions, `count` of them.
+std::vector<std::string> unknown_names(const RecoveryResult& result, std::size_t count) {
+    std::vector<std::string> names;
+    for (const RegionResult& r : result.regions)
+        if (r.unknown) names.push_back(escape_html(r.name));
+    names.resize(count, "?");
+    return names;
+}
+
+std::string number_headers(const std::vector<std::string>& names) {
+    std::string out;
+    for (const std::string& name : names) out += "<th class='num'>" + name + "</th>";
+    return out;
+}
+
+std::string number_cells(const std::vector<double>& values) {
+    std::string out;
+    for (const double value : values) out += "<td class='num'>" + decimals(value, 2) + "</td>";
+    return out;
+}
+
 }  // namespace
 
 std::string headline_html(const RecoveryResult& result) {
@@ -186,21 +207,33 @@ std::string surfaces_table_html(const RecoveryResult& result) {
 
 std::string correlation_table_html(const RecoveryResult& result) {
     if (result.correlation.size() < 2) return "";
-    std::vector<std::string> names;
-    for (const RegionResult& r : result.regions)
-        if (r.unknown) names.push_back(escape_html(r.name));
-    names.resize(result.correlation.size(), "?");
-    std::string out = "<figure class='wide'><table class='narrow'><thead><tr><th></th>";
-    for (const std::string& name : names) out += "<th class='num'>" + name + "</th>";
-    out += "</tr></thead><tbody>";
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        out += "<tr><th>" + names[i] + "</th>";
-        for (double c : result.correlation[i]) out += "<td class='num'>" + decimals(c, 2) + "</td>";
-        out += "</tr>";
-    }
+    const auto names = unknown_names(result, result.correlation.size());
+    std::string out = "<figure class='wide'><table class='narrow'><thead><tr><th></th>" +
+                      number_headers(names) + "</tr></thead><tbody>";
+    for (std::size_t i = 0; i < names.size(); ++i)
+        out += "<tr><th>" + names[i] + "</th>" + number_cells(result.correlation[i]) + "</tr>";
     return out +
            "</tbody></table><figcaption>Correlation of ln E between the unknown moduli: near "
            "+1 or −1 the data fix only a combination of the two.</figcaption></figure>";
+}
+
+std::string sensitivity_table_html(const RecoveryResult& result) {
+    if (result.sensitivity.empty()) return "";
+    const auto names = unknown_names(result, result.sensitivity.size());
+    std::string out =
+        "<figure class='wide'><table class='narrow'><thead><tr>"
+        "<th class='num'>Singular value</th><th class='num'>Prior narrowed to</th>" +
+        number_headers(names) + "</tr></thead><tbody>";
+    for (const SensitivityResult& s : result.sensitivity)
+        out += fmt::format("<tr><td class='num'>{}</td><td class='num'>{} %</td>{}</tr>",
+                           significant(s.singular_value),
+                           significant(100 / std::hypot(1.0, s.singular_value)),
+                           number_cells(s.direction));
+    return out +
+           "</tbody></table><figcaption>Scaled sensitivity: how many standard deviations of the "
+           "noise the seen surfaces move when ln E changes by one standard deviation of its prior "
+           "along a direction (components at the right), where no motion of the walls could "
+           "explain it. Below about 1 the images say little.</figcaption></figure>";
 }
 
 std::string details_html(const RecoveryResult& result) {

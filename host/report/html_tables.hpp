@@ -15,6 +15,7 @@ std::string notices_html(const RecoveryResult& result);   ///< not converged, wa
 std::string regions_table_html(const RecoveryResult& result);
 std::string surfaces_table_html(const RecoveryResult& result);
 std::string correlation_table_html(const RecoveryResult& result);
+std::string sensitivity_table_html(const RecoveryResult& result);
 std::string details_html(const RecoveryResult& result);  ///< alignment, mesh, device, times
 
 }  // namespace palpate

@@ -91,6 +91,16 @@ Json correlation_json(const RecoveryResult& result) {
     return {{"regions", names}, {"ln_stiffness", rows}};
 }
 
+Json sensitivity_json(const RecoveryResult& result) {
+    Json names = Json::array(), list = Json::array();
+    for (const RegionResult& r : result.regions)
+        if (r.unknown) names.push_back(r.name);
+    for (const SensitivityResult& s : result.sensitivity)
+        list.push_back({{"scaled_singular_value", number(s.singular_value)},
+                        {"direction_ln_stiffness", numbers(s.direction)}});
+    return {{"regions", names}, {"combinations", list}};
+}
+
 Json profiles_json(const RecoveryResult& result) {
     Json list = Json::array();
     for (const ProfileResult& p : result.profiles)
@@ -187,6 +197,7 @@ std::string json_report(const RecoveryResult& result, bool include_file_names) {
     for (const SurfaceResult& s : result.surfaces) surfaces.push_back(surface_json(s));
     json["regions"] = regions;
     json["correlation"] = correlation_json(result);
+    json["sensitivity"] = sensitivity_json(result);
     json["surfaces"] = surfaces;
     json["profiles"] = profiles_json(result);
     json["mesh"] = mesh_json(result);

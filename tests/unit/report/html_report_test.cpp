@@ -86,6 +86,14 @@ TEST(HtmlReport, EscapesEveryTextFromOutside) {
     EXPECT_TRUE(holds(page, "Not converged"));
 }
 
+TEST(HtmlReport, ShowsHowMuchEachCombinationOfModuliIsNarrowed) {
+    const std::string page = html_report(synthetic_result());
+
+    EXPECT_TRUE(holds(page,
+                      "<td class='num'>2.40</td><td class='num'>38.5 %</td>"
+                      "<td class='num'>0.24</td><td class='num'>0.97</td>"));
+}
+
 TEST(HtmlReport, NamesInputFilesOnlyIfAsked) {
     const RecoveryResult result = synthetic_result();
 
@@ -99,6 +107,7 @@ TEST(HtmlReport, WithoutAnUnknownModulusStillSaysWhatItIs) {
     result.profiles.clear();
     result.convergence.clear();
     result.correlation.clear();
+    result.sensitivity.clear();
 
     const std::string page = html_report(result);
 

@@ -51,6 +51,9 @@ TEST(JsonReport, HoldsTheFieldsThatProgramsReadByName) {
     EXPECT_EQ(j["alignment"]["method"], "fixed");
     EXPECT_EQ(j["correlation"]["ln_stiffness"][0][1], -0.42);
     EXPECT_EQ(j["correlation"]["regions"].size(), 2u);
+    EXPECT_EQ(j["sensitivity"]["regions"].size(), 2u);
+    EXPECT_EQ(j["sensitivity"]["combinations"][1]["scaled_singular_value"], 2.4);
+    EXPECT_EQ(j["sensitivity"]["combinations"][1]["direction_ln_stiffness"][1], 0.97);
     EXPECT_EQ(j["profiles"][1]["name"], "prostate, peripheral zone");
     EXPECT_EQ(j["profiles"][0]["objective"].size(), 21u);
     EXPECT_EQ(j["convergence"].size(), 10u);

@@ -206,6 +206,7 @@ void add_regions(RecoveryResult& r) {
     r.regions.push_back({5, "rectum", 4, "driven", true, false, 0, 0, {0, 0}, 0, "hollow", ""});
     r.regions.push_back({6, "pubic bone", 6, "fixed", true, false, 0, 0, {0, 0}, 0, "hollow", ""});
     r.correlation = {{1, -0.42}, {-0.42, 1}};
+    r.sensitivity = {{7.6, {0.97, -0.24}}, {2.4, {0.24, 0.97}}};
 }
 
 void add_search(RecoveryResult& r) {
