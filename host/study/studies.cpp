@@ -16,6 +16,8 @@ const std::vector<StudyEntry>& study_registry() {
         {"poisson", "A Poisson's ratio of the prostate that is not the assumed one", 2,
          make_poisson_study},
         {"tumour", "A tumour without label in a part of the prostate", 2, make_tumour_study},
+        {"zones", "Two zones of unknown stiffness, and phantoms built to be unidentifiable", 20,
+         make_zones_study},
         {"parameter-scan", "The objective over the stiffness, and the influence of the prior", 1,
          make_parameter_scan},
         {"sensitivity", "Two spheres in closed form: what their surface shows of a stiffness", 0,

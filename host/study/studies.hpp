@@ -41,5 +41,6 @@ Study make_tumour_study(const StudyOptions& options);
 Study make_parameter_scan(const StudyOptions& options);
 Study make_sensitivity_study(const StudyOptions& options);
 Study make_registration_study(const StudyOptions& options);
+Study make_zones_study(const StudyOptions& options);
 
 }  // namespace palpate

@@ -61,6 +61,21 @@ def test_the_spheres_are_solved_within_one_percent(tmp_path):
     assert max(abs(float(row["error_percent"])) for row in rows) < 1
 
 
+def test_two_zones_get_a_verdict_each_and_a_still_phantom_is_called_unidentifiable(tmp_path):
+    out = tmp_path / "zones"
+    finished = run_palpate("study", "zones", "--out", out, *SMALL)
+    assert finished.returncode == 0, finished.stderr
+    rows = {row["kind"]: row for row in rows_of(out)}
+    assert set(rows) == {"two-zones", "still", "rigid", "rigid-core"}
+    assert rows["two-zones"]["transition_verdict"] in ("recovered", "weak")
+    for zone in ("transition", "peripheral"):
+        assert rows["still"][zone + "_verdict"] == "not identifiable"
+        assert rows["still"][zone + "_holds_truth"] == "yes"
+    assert rows["rigid"]["peripheral_verdict"] != "recovered"
+    page = (out / "study.html").read_text()
+    assert "Built to be unidentifiable" in page and "nan" not in page
+
+
 def test_an_unknown_study_is_a_usage_error():
     finished = run_palpate("study", "astrology", "--out", "nowhere")
     assert finished.returncode == 2
