@@ -17,7 +17,7 @@
 #include <type_traits>
 
 #include "host/meshing/io.hpp"
-#include "host/meshing/vtk_messages.hpp"
+#include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -16,7 +16,7 @@
 #include <algorithm>
 
 #include "host/meshing/io.hpp"
-#include "host/meshing/vtk_messages.hpp"
+#include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

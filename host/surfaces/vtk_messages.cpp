@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/meshing/vtk_messages.hpp"
+#include "host/surfaces/vtk_messages.hpp"
 
 #include <vtkLogger.h>
 #include <vtkObjectFactory.h>
