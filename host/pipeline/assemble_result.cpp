@@ -11,6 +11,7 @@
 #include "host/meshing/rasterise.hpp"
 #include "host/modelling/regions.hpp"
 #include "host/pipeline/finish.hpp"
+#include "host/pipeline/observed_target.hpp"
 #include "host/pipeline/version.hpp"
 #include "host/pipeline/volumes.hpp"
 #include "host/surfaces/picture_surface.hpp"
@@ -173,7 +174,7 @@ Distances summarise(const std::vector<double>& signed_mm, const std::vector<doub
     return result;
 }
 
-SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelField& target,
+SurfaceResult surface_result(const Recovered& found, std::size_t s, const TargetState& target,
                              const Settings& settings) {
     const ObservedSurface& observed = found.recovery.surfaces[s];
     SurfaceResult result;
@@ -183,22 +184,21 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const LabelF
     result.reference = observed.surface;
     result.node_of = observed.node_of;
     if (s < found.resultant_sd.size()) result.resultant_sd_mn = found.resultant_sd[s];
-    const DistanceMap& map = *found.target_maps[s];
+    const TargetShape& shape = *found.target[s];
     std::vector<std::uint8_t> seen;
     for (std::size_t v = 0; v < observed.node_of.size(); ++v) {
         const Vec3& x = observed.surface.vertices[v];
         const Vec3 u = found.displacement.segment<3>(3 * observed.node_of[v]);
-        result.distance_before_mm.push_back(map.value(x));
-        result.distance_after_mm.push_back(map.value(x + u));
-        seen.push_back(target.inside_box(found.alignment.reference_to_target.apply(x)));
+        result.distance_before_mm.push_back(shape.measure(x, Vec3::Zero()).mm);
+        result.distance_after_mm.push_back(shape.measure(x + u, Vec3::Zero()).mm);
+        seen.push_back(in_field_of_view(target, x));
         if (observed.driven) {
             result.resultant_force_mn += found.force.segment<3>(3 * observed.node_of[v]);
         }
     }
     result.target =
-        picture_surface(map, observed.surface.vertices, picture_edge_mm, [&](const Vec3& point) {
-            return target.inside_box(found.alignment.reference_to_target.apply(point));
-        });
+        picture_surface(shape, observed.surface.vertices, picture_edge_mm,
+                        [&](const Vec3& point) { return in_field_of_view(target, point); });
     const auto area = vertex_areas(observed.surface);
     const auto before = summarise(result.distance_before_mm, area, seen);
     const auto after = summarise(result.distance_after_mm, area, seen);
@@ -217,14 +217,13 @@ bool touches_border(const RegionSurface& surface, Index region) {
     return false;
 }
 
-void add_volumes(const Recovered& found, const RegionImage& reference,
-                 const LabelField& reference_field, const RegionImage& target,
+void add_volumes(const Recovered& found, const LabelledState& reference, const RegionImage& target,
                  const Settings& settings, RecoveryResult& result) {
     const RigidTransform& transform = found.alignment.reference_to_target;
-    const auto field =
-        displacement_on_grid(found.mesh.mesh, as_points(found.displacement), reference.grid);
-    const auto before = carry_regions(reference_field, {}, transform, target.grid);
-    const auto after = carry_regions(reference_field, field, transform, target.grid);
+    const auto field = displacement_on_grid(found.mesh.mesh, as_points(found.displacement),
+                                            reference.regions.grid);
+    const auto before = carry_regions(reference.field, {}, transform, target.grid);
+    const auto after = carry_regions(reference.field, field, transform, target.grid);
     for (auto& surface : result.surfaces) {
         surface.dice_before = dice(before, target, surface.region);
         surface.dice_after = dice(after, target, surface.region);
@@ -237,9 +236,8 @@ void add_volumes(const Recovered& found, const RegionImage& reference,
 
 }  // namespace
 
-RecoveryResult assemble_result(const Recovered& found, const RegionImage& reference,
-                               const LabelField& reference_field, const RegionImage& target,
-                               const LabelField& target_field, const Settings& settings) {
+RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,
+                               const TargetState& target, const Settings& settings) {
     RecoveryResult result;
     result.settings = settings;
     result.settings_toml = to_toml(settings);
@@ -255,7 +253,7 @@ RecoveryResult assemble_result(const Recovered& found, const RegionImage& refere
     result.correlation = correlation_of(found.estimate.covariance);
     result.sensitivity = sensitivity_of(found.estimate.sensitivity);
     for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {
-        result.surfaces.push_back(surface_result(found, s, target_field, settings));
+        result.surfaces.push_back(surface_result(found, s, target, settings));
         result.surfaces.back().cut_by_image =
             touches_border(found.mesh.surface, result.surfaces.back().region);
     }
@@ -266,7 +264,7 @@ RecoveryResult assemble_result(const Recovered& found, const RegionImage& refere
     result.device = found.solver.device;
     result.full_model_residual = found.relative_residual;
     result.warnings = found.warnings;
-    add_volumes(found, reference, reference_field, target, settings, result);
+    add_volumes(found, reference, target.labels->regions, settings, result);
     return result;
 }
 

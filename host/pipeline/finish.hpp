@@ -10,8 +10,9 @@
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/build_model.hpp"
 #include "host/pipeline/full_solver.hpp"
+#include "host/pipeline/states.hpp"
 #include "host/result/recovery_result.hpp"
-#include "host/surfaces/distance_map.hpp"
+#include "host/surfaces/target_shape.hpp"
 
 namespace palpate {
 
@@ -21,7 +22,7 @@ struct Recovered {
     RegionMesh mesh;
     MesherSummary mesher;
     RecoveryModel recovery;
-    std::vector<std::shared_ptr<const DistanceMap>> target_maps;  ///< in the reference frame
+    std::vector<std::shared_ptr<const TargetShape>> target;  ///< as in ObservedShapes
     MapEstimate estimate;
     // Filled by `solve_full_model`:
     Eigen::VectorXd displacement;    ///< [3 num_nodes] mm
@@ -38,8 +39,7 @@ struct Recovered {
 void solve_full_model(Recovered& found, FullSolver& solver, const ProgressSink& progress);
 
 /// Verdicts, surface distances, Dice, volumes.
-RecoveryResult assemble_result(const Recovered& found, const RegionImage& reference,
-                               const LabelField& reference_field, const RegionImage& target,
-                               const LabelField& target_field, const Settings& settings);
+RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,
+                               const TargetState& target, const Settings& settings);
 
 }  // namespace palpate

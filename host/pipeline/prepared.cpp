@@ -5,13 +5,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <future>
 #include <utility>
 
 #include "host/meshing/io.hpp"
 #include "host/modelling/regions.hpp"
 #include "host/objectives/surface_observations.hpp"
+#include "host/pipeline/observed_target.hpp"
 
 namespace palpate {
 namespace {
@@ -33,24 +33,11 @@ RegionMesh mesh_of(const RecoverOptions& options, const ReferenceState& referenc
     return region_mesh_from_tets(mesh, reference.state.field, settings);
 }
 
-std::vector<std::uint8_t> seen_nodes(const Mesh& mesh, const LabelField& target,
-                                     const RigidTransform& reference_to_target) {
+std::vector<std::uint8_t> seen_nodes(const Mesh& mesh, const TargetState& target) {
     std::vector<std::uint8_t> seen(mesh.nodes.size());
-    std::transform(mesh.nodes.begin(), mesh.nodes.end(), seen.begin(), [&](const Vec3& node) {
-        return target.inside_box(reference_to_target.apply(node));
-    });
+    std::transform(mesh.nodes.begin(), mesh.nodes.end(), seen.begin(),
+                   [&](const Vec3& node) { return in_field_of_view(target, node); });
     return seen;
-}
-
-/// Target maps in the reference frame.
-std::vector<std::shared_ptr<const DistanceMap>> target_maps(const TargetState& target,
-                                                            const Settings& settings) {
-    const RigidTransform back = target.alignment.reference_to_target.inverse();
-    std::vector<std::shared_ptr<const DistanceMap>> maps;
-    for (const auto& map : maps_of_matched(target.state.field, settings)) {
-        maps.push_back(std::make_shared<DistanceMap>(map.moved(back)));
-    }
-    return maps;
 }
 
 /// `prepared` must outlive the shapes.
@@ -59,26 +46,8 @@ ObservedShapes observed_shapes(const PreparedReference& prepared, const Recovere
     for (const auto& map : prepared.maps) {
         shapes.reference.emplace_back(std::shared_ptr<void>(), &map);
     }
-    shapes.target.assign(found.target_maps.begin(), found.target_maps.end());
+    shapes.target = found.target;
     return shapes;
-}
-
-VoxelPlanes voxel_planes(const LabelledState& state, const Mat3& to_reference) {
-    const ImageGrid& grid = state.regions.grid;
-    return {to_reference * grid.direction, grid.spacing, state.field.smoothing_mm()};
-}
-
-ObservationOptions observation_options(const Settings& settings, const LabelledState& reference,
-                                       const TargetState& target) {
-    const double voxel = std::cbrt(
-        std::max(reference.regions.grid.voxel_volume(), target.state.regions.grid.voxel_volume()));
-    ObservationOptions options;
-    options.noise_mm = settings.prior.noise_voxels * voxel;
-    options.independent_area_mm2 = 2.0 * voxel * voxel;
-    options.voxels = {
-        voxel_planes(reference, Mat3::Identity()),
-        voxel_planes(target.state, target.alignment.reference_to_target.rotation.transpose())};
-    return options;
 }
 
 /// The wall and surface motion of a full displacement: [3 nodes.size()] mm.
@@ -157,21 +126,24 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
     found.recovery = mechanics.recovery;
 
     timer.start("distances");
-    found.target_maps = target_maps(target, options.settings);
+    found.target = target_shapes(target, options.settings);
     const SurfaceObservations observations(
-        found.recovery, observed_shapes(prepared, found),
-        seen_nodes(found.mesh.mesh, target.state.field, target.alignment.reference_to_target),
+        found.recovery, observed_shapes(prepared, found), seen_nodes(found.mesh.mesh, target),
         observation_options(options.settings, prepared.reference.state, target));
+    search_model(found, mechanics, *prepared.full_solver, observations, options, timer, progress);
+    return found;
+}
 
+void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
+                  const SurfaceObservations& observations, const RecoverOptions& options,
+                  StageTimer& timer, const ProgressSink& progress) {
     timer.start("searching");
     found.estimate = options.method == SearchMethod::nested_lbfgs
                          ? nested_estimate(found.recovery, observations, options, progress)
                          : map_estimate(mechanics.response, mechanics.walls, observations,
                                         mechanics.priors, options.search, progress);
-
     timer.start("solving");
-    solve_full_model(found, *prepared.full_solver, progress);
-    return found;
+    solve_full_model(found, full_solver, progress);
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/objectives/surface_observations.hpp"
 #include "host/pipeline/finish.hpp"
 #include "host/pipeline/mechanics.hpp"
 #include "host/pipeline/stages.hpp"
@@ -39,5 +40,11 @@ std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
 Recovered search_target(const PreparedReference& prepared, const TargetState& target,
                         const RecoverOptions& options, StageTimer& timer,
                         const ProgressSink& progress);
+
+/// The same from what is observed, for any shape of the target: fills `found.estimate`, field and
+/// forces. `found.recovery` is that of `mechanics`.
+void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
+                  const SurfaceObservations& observations, const RecoverOptions& options,
+                  StageTimer& timer, const ProgressSink& progress);
 
 }  // namespace palpate

@@ -22,12 +22,10 @@ RecoveryResult recover_target(const PreparedReference& prepared, const TargetSta
     timer.start("volumes");
     report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
     const LabelledState& reference = prepared.reference.state;
-    RecoveryResult result =
-        assemble_result(found, reference.regions, reference.field, target.state.regions,
-                        target.state.field, options.settings);
+    RecoveryResult result = assemble_result(found, reference, target, options.settings);
     timer.stop();
     result.reference_name = reference.name;
-    result.target_name = target.state.name;
+    result.target_name = target.name;
     result.linear_solvers = {{"condensing", prepared.mechanics.condensation.solver},
                              {"solving", found.solver}};
     result.timings_s = timer.times_s();
@@ -127,7 +125,7 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
     for (std::size_t k = 0; k < aligned.size(); ++k) {
         if (aligned.size() > 1) {
             report_progress(progress, fmt::format("target {}", k + 1), 0,
-                            fmt::format("of {}: {}", aligned.size(), aligned[k].state.name));
+                            fmt::format("of {}: {}", aligned.size(), aligned[k].name));
         }
         try {
             RecoveryResult result = recover_target(prepared, aligned[k], options, timer, progress);

@@ -142,7 +142,8 @@ TargetState align_target(LabelledState target, const ReferenceState& reference,
     report_progress(progress, "aligning", 1,
                     fmt::format("{}: translation ({:.2f}, {:.2f}, {:.2f}) mm", alignment.method,
                                 shift[0], shift[1], shift[2]));
-    return {std::move(target), std::move(alignment)};
+    std::string name = target.name;
+    return {std::move(name), std::move(alignment), std::move(target)};
 }
 
 std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,8 +35,9 @@ ReferenceState make_reference(LabelledState state, const RecoverOptions& options
 
 /// A target, brought into the reference's frame.
 struct TargetState {
-    LabelledState state;
+    std::string name;  ///< for messages and the report
     AlignmentResult alignment;
+    std::optional<LabelledState> labels;
 };
 
 /// Throws Error(input_unusable) if an organ does not overlap between the two.

@@ -29,21 +29,23 @@ ImageGrid grid_round(const std::vector<Vec3>& points, double spacing_mm) {
 
 }  // namespace
 
-Surface picture_surface(const DistanceMap& map, const std::vector<Vec3>& near,
+Surface picture_surface(const TargetShape& shape, const std::vector<Vec3>& near,
                         double edge_length_mm, const std::function<bool(const Vec3&)>& keep) {
     if (near.empty()) return {};
+    const auto distance = [&shape](const Vec3& point) {
+        return shape.measure(point, Vec3::Zero()).mm;
+    };
     const ImageGrid grid = grid_round(near, edge_length_mm);
     std::vector<float> samples;
     samples.reserve(grid.num_voxels());
     for (Index k = 0; k < grid.size[2]; ++k) {
         for (Index j = 0; j < grid.size[1]; ++j) {
             for (Index i = 0; i < grid.size[0]; ++i) {
-                samples.push_back(static_cast<float>(map.value(grid.to_point(Vec3(i, j, k)))));
+                samples.push_back(static_cast<float>(distance(grid.to_point(Vec3(i, j, k)))));
             }
         }
     }
-    Surface surface =
-        zero_level(grid, samples, [&map](const Vec3& point) { return map.value(point); });
+    Surface surface = zero_level(grid, samples, distance);
     std::erase_if(surface.triangles, [&](const Triangle& t) {
         return !keep((surface.vertices[t[0]] + surface.vertices[t[1]] + surface.vertices[t[2]]) /
                      3.0);

@@ -4,15 +4,15 @@
 
 #include <functional>
 
-#include "host/surfaces/distance_map.hpp"
 #include "host/surfaces/surface.hpp"
+#include "host/surfaces/target_shape.hpp"
 
 namespace palpate {
 
-/// The surface that a distance map describes, as triangles of about `edge_length_mm`, for pictures.
+/// The surface that a closed shape describes, as triangles of about `edge_length_mm`, for pictures.
 ///   near  points that the surface lies round, mm; 10 mm beyond their box is searched
 ///   keep  whether the surface was seen at a point; triangles elsewhere are left out
-Surface picture_surface(const DistanceMap& map, const std::vector<Vec3>& near,
+Surface picture_surface(const TargetShape& shape, const std::vector<Vec3>& near,
                         double edge_length_mm, const std::function<bool(const Vec3&)>& keep);
 
 }  // namespace palpate

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/objectives/surface_observations.hpp"
+#include "host/pipeline/states.hpp"
+
+namespace palpate {
+
+/// What the surface of each matched organ should come to lie on, in the reference frame, in
+/// settings order (that of `RecoveryModel::surfaces`).
+std::vector<std::shared_ptr<const TargetShape>> target_shapes(const TargetState& target,
+                                                              const Settings& settings);
+
+/// Whether the target could show what came from a point of the reference, mm: a label volume ends
+/// at its box.
+bool in_field_of_view(const TargetState& target, const Vec3& point);
+
+/// The noise of distances between the reference and this target.
+ObservationOptions observation_options(const Settings& settings, const LabelledState& reference,
+                                       const TargetState& target);
+
+}  // namespace palpate
