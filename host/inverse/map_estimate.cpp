@@ -35,6 +35,10 @@ Eigen::VectorXd in_standard_deviations(const Eigen::VectorXd& change, const Modu
     return change.cwiseQuotient(variance.cwiseAbs().cwiseSqrt());
 }
 
+/// Rows that the objective is over. Held through a step, so that no step pays by moving surfaces to
+/// where the target does not show them.
+using Counted = std::vector<std::uint8_t>;
+
 struct State {
     Eigen::VectorXd driven, observed, theta;
     ObservedState seen;
@@ -58,7 +62,11 @@ public:
     MapEstimate run();
 
 private:
-    State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta) const;
+    State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
+                   const Counted& counted) const;
+    double objective_of(const State& state, const Counted& counted) const;
+    /// The same place, its objective over what is seen there.
+    State recounted(State state) const;
     std::vector<LinearRow> rows_of(const State& state) const;
     LinearisedProblem linearise(const State& state) const;
     State settle_walls(State state) const;
@@ -83,18 +91,28 @@ private:
     std::vector<IterationRecord> records_;
 };
 
-State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta) const {
+State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
+                       const Counted& counted) const {
     std::vector<Index> unknown;
     for (const auto& prior : priors_) unknown.push_back(prior.region);
     const auto kpa = model_.moduli(unknown, theta);
     State state{driven, model_.observed_displacement(kpa, driven), theta, {}, 0};
     state.seen = observations_.evaluate(state.driven, state.observed);
-    state.objective = noise_.misfit(state.seen.residual_mm);
-    state.objective += walls_.energy(driven);
+    state.objective = objective_of(state, counted);
+    return state;
+}
+
+double Search::objective_of(const State& state, const Counted& counted) const {
+    double objective = noise_.misfit(state.seen.residual_mm, counted) + walls_.energy(state.driven);
     for (std::size_t k = 0; k < priors_.size(); ++k) {
-        const double z = (theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
-        state.objective += 0.5 * z * z;
+        const double z = (state.theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
+        objective += 0.5 * z * z;
     }
+    return objective;
+}
+
+State Search::recounted(State state) const {
+    state.objective = objective_of(state, state.seen.seen);
     return state;
 }
 
@@ -114,7 +132,7 @@ State Search::settle_walls(State state) const {
         const WallPosterior walls(walls_, rows_of(state), state.driven);
         const State next = search_line(state, walls.mean(), state.theta, 0.0, length);
         const double moved = largest(next.driven - state.driven);
-        state = next;
+        state = recounted(next);
         if (length == 0 || moved < 0.1) break;
     }
     return state;
@@ -131,7 +149,7 @@ State Search::search_line(const State& from, const Eigen::VectorXd& driven,
     length = 0;
     const auto offer = [&](double t) {
         State trial = state_at(from.driven + t * (driven - from.driven),
-                               from.theta + t * (theta - from.theta));
+                               from.theta + t * (theta - from.theta), from.seen.seen);
         const double value = trial.objective + t * 0.5 * determinant_change;
         if (std::isfinite(value) && value <= lowest) {
             lowest = value;
@@ -163,7 +181,7 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
         const Eigen::VectorXd theta = (proposal.tail(from.theta.size()) / mm_per_unit_ln)
                                           .cwiseMax(bounds_.lower_ln)
                                           .cwiseMin(bounds_.upper_ln);
-        State trial = state_at(proposal.head(n), theta);
+        State trial = state_at(proposal.head(n), theta, from.seen.seen);
         const double allowed = from.objective - 0.5 * determinant_change + acceptable_rise;
         if (std::isfinite(trial.objective) && trial.objective <= allowed) return trial;
         acceleration.reset();
@@ -177,7 +195,8 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
 /// Half the Gauss-Newton step, whatever the objective says: where closest points jump between the
 /// facets of a target, the objective has kinks at which no line search goes down.
 State Search::blind_step(const State& from, const ModulusMinimum& best) const {
-    return state_at(0.5 * (from.driven + best.fit.driven), 0.5 * (from.theta + best.theta));
+    return state_at(0.5 * (from.driven + best.fit.driven), 0.5 * (from.theta + best.theta),
+                    from.seen.seen);
 }
 
 /// sigma_n^2 such that the observed residual has the size that its own model predicts:
@@ -213,7 +232,9 @@ MapEstimate Search::run() {
     for (std::size_t k = 0; k < priors_.size(); ++k) {
         theta[k] = options_.start_kpa > 0 ? std::log(options_.start_kpa) : priors_[k].mean_ln;
     }
-    State state = settle_walls(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta));
+    const Counted all(observations_.num_rows(), 1);
+    State state =
+        settle_walls(recounted(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, all)));
 
     Termination termination{
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
@@ -224,19 +245,19 @@ MapEstimate Search::run() {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
             k == 1 ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
-        if (k == 1) state = state_at(state.driven, start);
+        if (k == 1) state = recounted(state_at(state.driven, start, state.seen.seen));
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
         const double moved = largest(best.fit.driven - state.driven);
         const Eigen::VectorXd theta_before = state.theta;
         bool improved = true;
-        state = accelerated_step(state, best, acceleration, improved);
+        state = recounted(accelerated_step(state, best, acceleration, improved));
         record(k, state, best, moved);
         termination.iterations = k;
         const bool noise_changed = k < options_.noise_iterations && update_noise(best);
         if (noise_changed) {
             acceleration.reset();
-            state = state_at(state.driven, state.theta);
+            state = recounted(state);
             continue;
         }
         const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
@@ -260,7 +281,7 @@ MapEstimate Search::run() {
             termination.reason = "the line search found no lower point, several times over";
             break;
         }
-        if (!improved) state = blind_step(state, best);
+        if (!improved) state = recounted(blind_step(state, best));
     }
     return finish(state, termination);
 }

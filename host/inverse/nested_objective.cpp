@@ -150,8 +150,12 @@ double NestedObjective::curvature(const NestedState& state, const Eigen::VectorX
 }
 
 ObservedState NestedObjective::observe(const Eigen::VectorXd& displacement) const {
-    return observations_.evaluate(gathered(displacement, recovery_.driven),
-                                  gathered(displacement, recovery_.observed));
+    ObservedState state = observations_.evaluate(gathered(displacement, recovery_.driven),
+                                                 gathered(displacement, recovery_.observed));
+    for (std::size_t k = 0; k < state.seen.size(); ++k) {
+        if (!state.seen[k]) state.residual_mm[static_cast<Index>(k)] = 0;
+    }
+    return state;
 }
 
 Eigen::VectorXd NestedObjective::driven_to_nodes(const Eigen::VectorXd& driven) const {

@@ -66,12 +66,14 @@ void SurfaceNoise::set_scale(double scale) {
     }
 }
 
-double SurfaceNoise::misfit(const Eigen::VectorXd& residual_mm) const {
+double SurfaceNoise::misfit(const Eigen::VectorXd& residual_mm,
+                            const std::vector<std::uint8_t>& counted) const {
     double sum = 0;
     for (const Group& group : groups_) {
         Eigen::VectorXd z(group.rows.size());
         for (std::size_t i = 0; i < group.rows.size(); ++i) {
-            z[i] = pulled_in(residual_mm[group.rows[i]] / sigma_mm_[group.rows[i]]);
+            const Index k = group.rows[i];
+            z[i] = counted[k] ? pulled_in(residual_mm[k] / sigma_mm_[k]) : 0.0;
         }
         group.correlation.matrixL().solveInPlace(z);
         sum += 0.5 * z.squaredNorm();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cstdint>
 #include <vector>
 
 #include "host/inverse/linear_row.hpp"
@@ -21,10 +22,11 @@ public:
     void set_scale(double scale);
     double scale() const { return scale_; }
     /// 1/2 z^T C^-1 z, z the residuals in standard deviations with outliers pulled in, C the
-    /// correlation.
-    double misfit(const Eigen::VectorXd& residual_mm) const;
-    /// One row per observation, the noise of outliers inflated so that the quadratic loss has the
-    /// slope of the robust one.
+    /// correlation; over the rows in `counted`.
+    double misfit(const Eigen::VectorXd& residual_mm,
+                  const std::vector<std::uint8_t>& counted) const;
+    /// One row per observation that is seen, the noise of outliers inflated so that the quadratic
+    /// loss has the slope of the robust one.
     std::vector<LinearRow> linear_rows(const ObservedState& seen) const;
 
 private:

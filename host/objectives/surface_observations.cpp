@@ -97,7 +97,9 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             facing_.push_back(normal);
             // Nodes that share a voxel share its information, and so do the two organs that meet at
             // one interface node.
-            const double share = std::min(1.0, area[v] / options.independent_area_mm2);
+            const double share =
+                std::min(1.0, area[v] / std::max(options.independent_area_mm2,
+                                                 shapes_.target[s]->measured_area_mm2()));
             row.independent_mm = options.noise_mm * std::sqrt(surfaces_at[node] / share);
             row.terraces = terraces_at(row.place, normal, options.voxels);
             row.terraces.waves *= std::sqrt(surfaces_at[node]);
@@ -116,7 +118,7 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
         const Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
         const ShapeDistance target =
             shapes_.target[row.surface]->measure(row.place + u, facing_[k]);
-        state.residual_mm[k] = target.is_seen ? target.mm - own_offset_[k] : 0.0;
+        state.residual_mm[k] = target.mm - own_offset_[k];
         state.normal.row(k) = target.normal;
         state.seen.push_back(target.is_seen);
     }

@@ -73,7 +73,8 @@ struct Observation {
 
 /// Values and normals of all observations at one state.
 struct ObservedState {
-    Eigen::VectorXd residual_mm;  ///< [num_observations]
+    /// [num_observations]; where nothing is seen: to the shape as it would go on, not to be fitted.
+    Eigen::VectorXd residual_mm;
     Eigen::Matrix<double, Eigen::Dynamic, 3>
         normal;                      ///< gradient of the residual with respect to u
     std::vector<std::uint8_t> seen;  ///< [num_observations] 0: the target says nothing there

@@ -67,4 +67,15 @@ std::vector<double> vertex_areas(const Surface& surface) {
     return areas;
 }
 
+std::vector<Vec3> vertex_normals(const Surface& surface) {
+    std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
+    for (const Triangle& t : surface.triangles) {
+        const Vec3& a = surface.vertices[t[0]];
+        const Vec3 normal = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
+        for (const Index corner : t) normals[corner] += normal;
+    }
+    for (Vec3& normal : normals) normal.normalize();
+    return normals;
+}
+
 }  // namespace palpate

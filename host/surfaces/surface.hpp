@@ -40,5 +40,7 @@ double surface_area(const Surface& surface);
 /// A third of the area of the triangles round each vertex, mm^2: [num vertices], sum
 /// `surface_area`.
 std::vector<double> vertex_areas(const Surface& surface);
+/// Unit normals of the vertices, triangles weighted by their area; zero where they cancel.
+std::vector<Vec3> vertex_normals(const Surface& surface);
 
 }  // namespace palpate

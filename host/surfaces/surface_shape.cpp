@@ -9,18 +9,6 @@
 namespace palpate {
 namespace {
 
-/// Normals of the vertices, triangles weighted by their area.
-std::vector<Vec3> normals_of(const Surface& surface) {
-    std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
-    for (const Triangle& t : surface.triangles) {
-        const Vec3& a = surface.vertices[t[0]];
-        const Vec3 normal = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
-        for (const Index corner : t) normals[corner] += normal;
-    }
-    for (Vec3& normal : normals) normal.normalize();
-    return normals;
-}
-
 /// Edges of one triangle only.
 std::vector<std::array<bool, 3>> rim_edges(const Surface& surface) {
     std::map<std::pair<Index, Index>, int> uses;
@@ -42,7 +30,7 @@ std::vector<std::array<bool, 3>> rim_edges(const Surface& surface) {
 SurfaceShape::SurfaceShape(Surface surface)
     : surface_(std::move(surface)),
       query_(surface_),
-      vertex_normals_(normals_of(surface_)),
+      vertex_normals_(vertex_normals(surface_)),
       is_rim_(rim_edges(surface_)) {}
 
 /// Barycentric coordinates of a point of the triangle's plane.
@@ -63,14 +51,15 @@ bool SurfaceShape::on_rim(Index triangle, const Vec3& weights) const {
     return false;
 }
 
-ShapeDistance SurfaceShape::measure(const Vec3& point, const Vec3&) const {
+ShapeDistance SurfaceShape::measure(const Vec3& point, const Vec3& facing) const {
     const ClosestPoint closest = query_.closest(point);
     const Triangle& corners = surface_.triangles[closest.triangle];
     const Vec3 weight = weights(closest.point, corners);
     Vec3 normal = Vec3::Zero();
     for (int c = 0; c < 3; ++c) normal += weight[c] * vertex_normals_[corners[c]];
     normal.normalize();
-    return {normal.dot(point - closest.point), normal, !on_rim(closest.triangle, weight)};
+    const bool is_seen = !on_rim(closest.triangle, weight) && face_alike(normal, facing);
+    return {normal.dot(point - closest.point), normal, is_seen};
 }
 
 }  // namespace palpate

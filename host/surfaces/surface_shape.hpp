@@ -12,7 +12,8 @@ namespace palpate {
 
 /// A triangle surface, closed or open. The distance is taken to the closest point along a normal
 /// that is interpolated between the vertices, so that it has no kinks at edges. A point whose
-/// closest point lies on the rim of an open surface is not seen: there the surface only ends.
+/// closest point lies on the rim of an open surface is not seen: there the surface only ends. Nor
+/// is one that faces away from its closest point: that belongs to another side of the organ.
 class SurfaceShape : public TargetShape {
 public:
     /// Throws Error(invalid_argument) for a surface without triangles.

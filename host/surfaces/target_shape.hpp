@@ -18,9 +18,18 @@ struct ShapeDistance {
 class TargetShape {
 public:
     virtual ~TargetShape() = default;
-    /// `facing`: about the outward normal of the surface at the point; it gives a shape without
-    /// inside and outside its sign.
+    /// `facing`: about the outward normal of the organ's surface at the point, of any length. A
+    /// shape that was seen from some sides only says nothing about a point that faces elsewhere;
+    /// zero: every point is taken to face as the shape does.
     virtual ShapeDistance measure(const Vec3& point, const Vec3& facing) const = 0;
+    /// The area of the shape that one measurement stands for, mm^2; 0: as small as one likes.
+    virtual double measured_area_mm2() const { return 0; }
 };
+
+/// Whether surfaces with these outward normals can be one and the same: they are at most 60 degrees
+/// apart. Zero goes with everything.
+inline bool face_alike(const Vec3& a, const Vec3& b) {
+    return a.dot(b) >= 0.5 * a.norm() * b.norm();
+}
 
 }  // namespace palpate

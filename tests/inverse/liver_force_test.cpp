@@ -18,8 +18,8 @@
 #include <map>
 #include <sstream>
 
-#include "host/pipeline/finish.hpp"
 #include "host/pipeline/mechanics.hpp"
+#include "host/pipeline/prepared.hpp"
 #include "host/surfaces/point_shape.hpp"
 #include "host/surfaces/surface_shape.hpp"
 
@@ -179,25 +179,22 @@ TEST(LiverForce, IsFoundFromThePartOfTheSurfaceThatWasSeen) {
     const Mechanics mechanics = make_mechanics(model_of(input), prior, {}, options, timer);
     ASSERT_EQ(mechanics.recovery.surfaces[1].surface.triangles.size(), 1u);
     ObservedShapes shapes;
-    shapes.reference.assign(2,
-                            std::make_shared<SurfaceShape>(mechanics.recovery.surfaces[0].surface));
-    shapes.target = {std::make_shared<PointShape>(input.cloud), nullptr};
+    const auto rest = std::make_shared<SurfaceShape>(mechanics.recovery.surfaces[0].surface);
+    const auto outward = [&](const Vec3& x) { return rest->measure(x, Vec3::Zero()).normal; };
     ObservationOptions seen;
     seen.noise_mm = 1.0;
     seen.independent_area_mm2 = 1.0;
+    shapes.reference.assign(2, rest);
+    shapes.target = {std::make_shared<PointShape>(input.cloud, outward), nullptr};
     const SurfaceObservations observations(
         mechanics.recovery, shapes, std::vector<std::uint8_t>(input.mesh.nodes.size(), 1), seen);
 
-    MapOptions search;
-    search.max_iterations = 100;
-    // Nodes of the far side lie over the cloud too; they are outliers, not noise.
-    search.estimate_noise = false;
+    RecoverOptions how;
+    how.search.max_iterations = 100;
     Recovered found;
     found.recovery = mechanics.recovery;
-    found.estimate =
-        map_estimate(mechanics.response, mechanics.walls, observations, mechanics.priors, search);
     FullSolver full_solver(found.recovery.model, {}, 4);
-    solve_full_model(found, full_solver, {});
+    search_model(found, mechanics, full_solver, observations, how, timer, {});
 
     Vec3 force = Vec3::Zero();
     for (const Index node : input.tool_nodes) force += found.force.segment<3>(3 * node);

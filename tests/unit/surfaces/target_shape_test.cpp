@@ -4,9 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <utility>
 
+#include "host/surfaces/orientation.hpp"
 #include "host/surfaces/point_shape.hpp"
 #include "host/surfaces/surface_shape.hpp"
 #include "solver/base/error.hpp"
@@ -47,6 +52,8 @@ Vec3 on_sphere(double polar_degrees, double distance) {
            Vec3(std::sin(polar) * 0.6, std::sin(polar) * 0.8, std::cos(polar));
 }
 
+Vec3 from_centre(const Vec3& x) { return x; }
+
 TEST(SurfaceShape, MeasuresAlongTheNormalAndEndsAtItsRim) {
     const SurfaceShape shape(cap(60, 30, 90));
 
@@ -67,20 +74,79 @@ TEST(SurfaceShape, VanishesAtItsOwnVertices) {
     }
 }
 
-TEST(PointShape, SeesAPlaneInItsClosestPointsAndTakesItsSignFromTheSurface) {
-    const PointShape shape(cap(60, 30, 90).vertices);
+TEST(SurfaceShape, SaysNothingAboutThePointsOfAnotherSide) {
+    const SurfaceShape shape(cap(60, 30, 90));
+    const Vec3 inside = on_sphere(20, -5);
 
-    const Vec3 outside = on_sphere(35, 1.5);
-    const auto seen = shape.measure(outside, outside);
-    EXPECT_TRUE(seen.is_seen);
-    EXPECT_NEAR(seen.mm, 1.5, 0.1);
-    EXPECT_NEAR(shape.measure(outside, -outside).mm, -1.5, 0.1);
-    EXPECT_FALSE(shape.measure(on_sphere(80, 1.0), outside).is_seen);
+    EXPECT_TRUE(shape.measure(inside, inside).is_seen);
+    EXPECT_FALSE(shape.measure(inside, -inside).is_seen);
+    EXPECT_FALSE(shape.measure(inside, Vec3(1, 0, 0)).is_seen);
+}
+
+TEST(PointShape, SeesAPlaneInItsClosestPointsAndEndsBesideThem) {
+    const PointShape shape(cap(60, 30, 90).vertices, from_centre);
+
+    for (const double distance : {-3.0, 1.5}) {
+        const Vec3 point = on_sphere(35, distance);
+        const auto seen = shape.measure(point, point);
+        EXPECT_TRUE(seen.is_seen);
+        EXPECT_NEAR(seen.mm, distance, 0.1);
+        EXPECT_GT(seen.normal.dot(point.normalized()), 0.999);
+        EXPECT_FALSE(shape.measure(point, -point).is_seen);
+    }
+    EXPECT_FALSE(shape.measure(on_sphere(80, 1.0), Vec3::Zero()).is_seen);
+}
+
+TEST(PointShape, IsTurnedAsAWholeByWhereMostOfItPointsOutward) {
+    // Right only in the upper part of the cap.
+    const auto half_right = [](const Vec3& x) { return x[2] > 14 ? x : Vec3(-x); };
+    const PointShape shape(cap(60, 30, 90).vertices, half_right);
+
+    EXPECT_NEAR(shape.measure(on_sphere(55, 1), Vec3::Zero()).mm, 1, 0.1);
+}
+
+TEST(PointShape, AveragesANoisyDenseCloudAndLeavesStraysOut) {
+    constexpr double noise_mm = 0.5;
+    std::mt19937 random(7);
+    std::normal_distribution<double> noise(0, noise_mm);
+    std::vector<Vec3> cloud;
+    for (const Vec3& x : cap(60, 60, 240).vertices) {
+        cloud.push_back(x + noise(random) * x.normalized());
+    }
+    for (int k = 0; k < 5; ++k) cloud.push_back(Vec3(40.0 + 9 * k, 7.0 * k, 60));
+
+    const PointShape shape(cloud, from_centre, noise_mm);
+
+    EXPECT_GT(shape.spacing_mm(), 0.5 * noise_mm);
+    for (const Vec3& point : shape.points()) EXPECT_LT(point.norm(), radius + 4 * noise_mm);
+    double worst = 0;
+    for (double polar = 5; polar < 50; polar += 5) {
+        const auto seen = shape.measure(on_sphere(polar, 1), on_sphere(polar, 1));
+        EXPECT_TRUE(seen.is_seen) << polar;
+        worst = std::max(worst, std::abs(seen.mm - 1));
+    }
+    EXPECT_LT(worst, noise_mm);
+}
+
+TEST(Orientation, TurnsEveryTriangleOfAnOpenSurfaceOutward) {
+    const Surface right = cap(60, 8, 20);
+    Surface mixed = right;
+    for (std::size_t t = 0; t < mixed.triangles.size(); t += 3) {
+        std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
+    }
+
+    const Surface turned = oriented_outward(mixed, from_centre);
+
+    for (const Triangle& t : turned.triangles) {
+        const Vec3& a = turned.vertices[t[0]];
+        const Vec3 normal = (turned.vertices[t[1]] - a).cross(turned.vertices[t[2]] - a);
+        EXPECT_GT(normal.dot(a), 0);
+    }
 }
 
 TEST(PointShape, SaysHowManyPointsItNeeds) {
     try {
-        PointShape shape(std::vector<Vec3>(7, Vec3::Zero()));
+        PointShape shape(std::vector<Vec3>(7, Vec3::Zero()), from_centre);
         FAIL() << "seven points were taken";
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::input_unusable);
