@@ -18,7 +18,8 @@ find_package(Boost 1.74 REQUIRED)    # headers: distributions of Boost.Math
 find_package(ITK REQUIRED COMPONENTS
   ITKCommon ITKTransform ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase
   ITKIOTransformHDF5 ITKIOTransformInsightLegacy ITKPDEDeformableRegistration ITKSmoothing)
-find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel IOXML IOLegacy)
+find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel FiltersCore IOGeometry
+  IOLegacy IOPLY IOXML)
 
 if(PALPATE_WITH_OPENCL)
   find_package(OpenCL REQUIRED)
