@@ -85,8 +85,9 @@ RegionMesh make_pelvis_mesh(const PelvisOptions& options, const MesherOptions& m
 WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOptions& mesher,
                                 const ProgressSink& progress = {});
 
-/// Writes reference.nii.gz target.nii.gz organs.toml truth.json landmarks.csv into a new folder
-/// `folder`, all or nothing. Throws Error(output_failed).
+/// Writes reference.nii.gz target.nii.gz organs.toml truth.json landmarks.csv, and
+/// target_<organ>.ply (the deformed surface of each organ that is not fixed, mm LPS) into a new
+/// folder `folder`, all or nothing. Throws Error(output_failed).
 void write_pelvis(const PelvisPhantom& phantom, const PelvisOptions& options,
                   const std::filesystem::path& folder);
 

@@ -99,6 +99,32 @@ std::string landmarks_to_csv(const PelvisPhantom& phantom) {
     return text;
 }
 
+/// Vertices (mm LPS) and triangles as text.
+std::string to_ply(const Surface& surface) {
+    std::string text = fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+        "property double z\nelement face {}\nproperty list uchar int vertex_indices\n"
+        "end_header\n",
+        surface.vertices.size(), surface.triangles.size());
+    for (const Vec3& x : surface.vertices) {
+        text += fmt::format("{:.6f} {:.6f} {:.6f}\n", x[0], x[1], x[2]);
+    }
+    for (const Triangle& t : surface.triangles) {
+        text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
+    }
+    return text;
+}
+
+/// The surface of a region in the target, as exact as the mesh.
+Surface deformed_surface(const PelvisPhantom& phantom, Index region) {
+    std::vector<Index> node_of;
+    Surface surface = surface_of_region(phantom.mesh.surface, region, true, &node_of);
+    for (std::size_t v = 0; v < node_of.size(); ++v) {
+        surface.vertices[v] += phantom.displacement[node_of[v]];
+    }
+    return surface;
+}
+
 void write_text(const fs::path& path, const std::string& text) {
     std::ofstream file(path, std::ios::binary);
     file << text;
@@ -117,6 +143,16 @@ void sync_to_disk(const fs::path& path) {
     }
 }
 
+void write_surfaces(const PelvisPhantom& phantom, const fs::path& folder) {
+    const auto& organs = phantom.settings.organs;
+    for (std::size_t k = 0; k < organs.size(); ++k) {
+        if (organs[k].role == Role::fixed) continue;
+        const Index region = first_organ_region + static_cast<Index>(k);
+        write_text(folder / ("target_" + organs[k].name + ".ply"),
+                   to_ply(deformed_surface(phantom, region)));
+    }
+}
+
 void write_files(const PelvisPhantom& phantom, const PelvisOptions& options,
                  const fs::path& folder) {
     write_label_image(folder / "reference.nii.gz", phantom.reference);
@@ -124,6 +160,7 @@ void write_files(const PelvisPhantom& phantom, const PelvisOptions& options,
     write_text(folder / "organs.toml", to_toml(phantom.settings));
     write_text(folder / "truth.json", truth_to_json(phantom, options));
     write_text(folder / "landmarks.csv", landmarks_to_csv(phantom));
+    write_surfaces(phantom, folder);
     for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
         sync_to_disk(file.path());
     }

@@ -92,12 +92,31 @@ TEST_F(PelvisFiles, NameTheStiffnessOfBothZones) {
     EXPECT_EQ(truth["regions"][3]["stiffness_kpa"], 210);
 }
 
+TEST_F(PelvisFiles, HoldTheSurfacesOfTheTarget) {
+    PelvisPhantom phantom = tiny_phantom();
+    phantom.mesh.surface.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+    phantom.mesh.surface.triangles = {{0, 1, 2}};
+    phantom.mesh.surface.regions = {{first_organ_region, background_region}};
+    phantom.mesh.surface.on_image_border = {0};
+    phantom.displacement.assign(3, Vec3(0, 0, 2.5));
+
+    write_pelvis(phantom, options, folder / "a");
+
+    const std::string text = text_of(folder / "a" / "target_prostate.ply");
+    EXPECT_NE(text.find("element vertex 3\n"), std::string::npos);
+    EXPECT_NE(text.find("\n1.000000 0.000000 2.500000\n"), std::string::npos);
+    EXPECT_NE(text.find("\n3 0 1 2\n"), std::string::npos);
+    EXPECT_NE(text_of(folder / "a" / "target_bladder.ply").find("element face 0\n"),
+              std::string::npos);
+    EXPECT_FALSE(fs::exists(folder / "a" / "target_bone.ply"));
+}
+
 TEST_F(PelvisFiles, AreTheSameBytesForTheSamePhantom) {
     write_pelvis(tiny_phantom(), options, folder / "a");
     write_pelvis(tiny_phantom(), options, folder / "b");
 
-    for (const char* name :
-         {"reference.nii.gz", "target.nii.gz", "organs.toml", "truth.json", "landmarks.csv"}) {
+    for (const char* name : {"reference.nii.gz", "target.nii.gz", "organs.toml", "truth.json",
+                             "landmarks.csv", "target_prostate.ply", "target_bladder.ply"}) {
         const std::string text = text_of(folder / "a" / name);
         EXPECT_FALSE(text.empty()) << name;
         EXPECT_EQ(text, text_of(folder / "b" / name)) << name;
