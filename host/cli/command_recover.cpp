@@ -8,6 +8,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
+#include "host/cli/partial_target_options.hpp"
 #include "host/pipeline/recover.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
 #include "host/report/result_folder.hpp"
@@ -21,6 +22,7 @@ namespace {
 struct RecoverArguments {
     std::string reference, config, out, mesh, transform, save_reduced, load_reduced;
     std::vector<std::string> targets;
+    PartialTargetArguments partial;
     std::string align = "auto", method = "map";
     SolverArguments solver;
     MesherArguments mesher;
@@ -70,12 +72,21 @@ int exit_code_for(const RecoveryResult& result) {
     return result.termination.converged ? 0 : exit_code_not_converged;
 }
 
+RecoveryResult recovered(const RecoverArguments& arguments, const RecoverOptions& options,
+                         const ProgressSink& progress) {
+    if (has_shapes(arguments.partial)) {
+        const PartialTarget target = partial_target(arguments.partial);
+        report_progress(progress, "reading", 0, "reading the segmentation");
+        return recover(read_segmentation(arguments.reference), target, options, progress);
+    }
+    report_progress(progress, "reading", 0, "reading both segmentations");
+    return recover(read_segmentation(arguments.reference),
+                   read_segmentation(arguments.targets.front()), options, progress);
+}
+
 int recover_one(const RecoverArguments& arguments, const RecoverOptions& options,
                 const ProgressSink& progress) {
-    report_progress(progress, "reading", 0, "reading both segmentations");
-    const RecoveryResult result =
-        recover(read_segmentation(arguments.reference),
-                read_segmentation(arguments.targets.front()), options, progress);
+    const RecoveryResult result = recovered(arguments, options, progress);
     write(arguments, result, arguments.out, progress);
     end_progress_line();
     fmt::print("{}\nreport: {}/report.html\n", text_report(result), arguments.out);
@@ -123,6 +134,7 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
 }
 
 int run_recover(const RecoverArguments& arguments) {
+    check_one_kind_of_target(arguments.targets, arguments.partial);
     const bool several = arguments.targets.size() > 1;
     std::vector<std::string> names;
     if (several) {
@@ -162,10 +174,9 @@ void add_recover(CLI::App& app, Run& run) {
     CLI::App* command = app.add_subcommand(
         "recover", "Stiffness, forces and deformation from two segmentations of one patient");
     command->add_option("reference", arguments->reference, "Label volume, state one")->required();
-    command
-        ->add_option("target", arguments->targets,
-                     "Label volume, state two; of several, each gets a folder of its name in --out")
-        ->required();
+    command->add_option("target", arguments->targets,
+                        "Label volume, state two; of several, each gets a folder of its name in "
+                        "--out; instead of it: --target-surface, --target-points");
     command->add_option("--config", arguments->config, "Organs and their roles (TOML)")->required();
     command->add_option("--out", arguments->out, "Result folder, made new")->required();
     command->add_flag("--overwrite", arguments->overwrite,
@@ -182,6 +193,7 @@ void add_recover(CLI::App& app, Run& run) {
                      "Rigid ITK transform (.tfm .txt .h5) from reference to target points, used "
                      "instead of --align")
         ->excludes(align);
+    add_partial_target_options(*command, arguments->partial);
     command->add_option("--mesh", arguments->mesh,
                         "Ready mesh of the reference (.vtu, cell array 'region' with labels)");
     command

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/inverse/identifiability.hpp"
 #include "host/inverse/uncertainty.hpp"
@@ -21,6 +22,7 @@ namespace palpate {
 namespace {
 
 constexpr double picture_edge_mm = 2.5;
+constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
     std::vector<Vec3> points(values.size() / 3);
@@ -170,8 +172,46 @@ Distances summarise(const std::vector<double>& signed_mm, const std::vector<doub
         result.max = std::max(result.max, std::abs(signed_mm[v]));
         sum += area[v];
     }
-    if (sum > 0) result.mean /= sum;
+    if (!(sum > 0)) return {not_known, not_known};
+    result.mean /= sum;
     return result;
+}
+
+double share_of(const std::vector<double>& area, const std::vector<std::uint8_t>& seen) {
+    double sum = 0, all = 0;
+    for (std::size_t v = 0; v < area.size(); ++v) {
+        all += area[v];
+        if (seen[v]) sum += area[v];
+    }
+    return all > 0 ? sum / all : 0.0;
+}
+
+/// Distances of the vertices, and which of them the target shows once they have moved there.
+void measure_distances(const Recovered& found, std::size_t s, const TargetState& target,
+                       SurfaceResult& result) {
+    const ObservedSurface& observed = found.recovery.surfaces[s];
+    const std::size_t count = observed.node_of.size();
+    result.distance_before_mm.assign(count, not_known);
+    result.distance_after_mm.assign(count, not_known);
+    result.seen.assign(count, 0);
+    const TargetShape* shape = found.target[s].get();
+    const auto normals = vertex_normals(observed.surface);
+    for (std::size_t v = 0; shape && v < count; ++v) {
+        const Vec3& x = observed.surface.vertices[v];
+        const Vec3 u = found.displacement.segment<3>(3 * observed.node_of[v]);
+        const ShapeDistance after = shape->measure(x + u, normals[v]);
+        result.distance_before_mm[v] = shape->measure(x, normals[v]).mm;
+        result.distance_after_mm[v] = after.mm;
+        result.seen[v] = after.is_seen && in_field_of_view(target, x);
+    }
+    const auto area = vertex_areas(observed.surface);
+    const auto before = summarise(result.distance_before_mm, area, result.seen);
+    const auto after = summarise(result.distance_after_mm, area, result.seen);
+    result.seen_share = share_of(area, result.seen);
+    result.mean_distance_mm_before = before.mean;
+    result.max_distance_mm_before = before.max;
+    result.mean_distance_mm_after = after.mean;
+    result.max_distance_mm_after = after.max;
 }
 
 SurfaceResult surface_result(const Recovered& found, std::size_t s, const TargetState& target,
@@ -184,28 +224,18 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const Target
     result.reference = observed.surface;
     result.node_of = observed.node_of;
     if (s < found.resultant_sd.size()) result.resultant_sd_mn = found.resultant_sd[s];
-    const TargetShape& shape = *found.target[s];
-    std::vector<std::uint8_t> seen;
-    for (std::size_t v = 0; v < observed.node_of.size(); ++v) {
-        const Vec3& x = observed.surface.vertices[v];
-        const Vec3 u = found.displacement.segment<3>(3 * observed.node_of[v]);
-        result.distance_before_mm.push_back(shape.measure(x, Vec3::Zero()).mm);
-        result.distance_after_mm.push_back(shape.measure(x + u, Vec3::Zero()).mm);
-        seen.push_back(in_field_of_view(target, x));
-        if (observed.driven) {
-            result.resultant_force_mn += found.force.segment<3>(3 * observed.node_of[v]);
-        }
+    for (const Index node : observed.node_of) {
+        if (observed.driven) result.resultant_force_mn += found.force.segment<3>(3 * node);
     }
-    result.target =
-        picture_surface(shape, observed.surface.vertices, picture_edge_mm,
-                        [&](const Vec3& point) { return in_field_of_view(target, point); });
-    const auto area = vertex_areas(observed.surface);
-    const auto before = summarise(result.distance_before_mm, area, seen);
-    const auto after = summarise(result.distance_after_mm, area, seen);
-    result.mean_distance_mm_before = before.mean;
-    result.max_distance_mm_before = before.max;
-    result.mean_distance_mm_after = after.mean;
-    result.max_distance_mm_after = after.max;
+    measure_distances(found, s, target, result);
+    if (target.labels) {
+        result.target =
+            picture_surface(*found.target[s], observed.surface.vertices, picture_edge_mm,
+                            [&](const Vec3& point) { return in_field_of_view(target, point); });
+    } else {
+        result.target_kind = target.shown[s].kind;
+        result.target = target.shown[s].picture;
+    }
     return result;
 }
 
@@ -217,21 +247,52 @@ bool touches_border(const RegionSurface& surface, Index region) {
     return false;
 }
 
-void add_volumes(const Recovered& found, const LabelledState& reference, const RegionImage& target,
+/// The target's grid; where there is none, the reference's, moved with the patient.
+ImageGrid target_grid(const LabelledState& reference, const TargetState& target) {
+    if (target.labels) return target.labels->regions.grid;
+    const RigidTransform& transform = target.alignment.reference_to_target;
+    ImageGrid grid = reference.regions.grid;
+    grid.origin = transform.apply(grid.origin);
+    grid.direction = transform.rotation * grid.direction;
+    return grid;
+}
+
+void add_volumes(const Recovered& found, const LabelledState& reference, const TargetState& target,
                  const Settings& settings, RecoveryResult& result) {
     const RigidTransform& transform = found.alignment.reference_to_target;
+    const ImageGrid grid = target_grid(reference, target);
     const auto field = displacement_on_grid(found.mesh.mesh, as_points(found.displacement),
                                             reference.regions.grid);
-    const auto before = carry_regions(reference.field, {}, transform, target.grid);
-    const auto after = carry_regions(reference.field, field, transform, target.grid);
+    const auto before = carry_regions(reference.field, {}, transform, grid);
+    const auto after = carry_regions(reference.field, field, transform, grid);
+    const RegionImage* seen = target.labels ? &target.labels->regions : nullptr;
     for (auto& surface : result.surfaces) {
-        surface.dice_before = dice(before, target, surface.region);
-        surface.dice_after = dice(after, target, surface.region);
+        surface.dice_before = seen ? dice(before, *seen, surface.region) : not_known;
+        surface.dice_after = seen ? dice(after, *seen, surface.region) : not_known;
     }
     result.displacement_field = with_alignment(field, transform);
     result.reference_labels = to_labels(before, settings);
-    result.target_labels_aligned = to_labels(target, settings);
+    if (seen) result.target_labels_aligned = to_labels(*seen, settings);
     result.warped_labels = to_labels(after, settings);
+}
+
+/// What a reader must know about organs without data.
+std::vector<std::string> warnings_about(const std::vector<SurfaceResult>& surfaces) {
+    std::vector<std::string> warnings;
+    for (const auto& surface : surfaces) {
+        if (surface.target_kind == "none") {
+            warnings.push_back(fmt::format(
+                "No target was given for {} ({}): it carries no data and moves as {}.",
+                surface.name, surface.role,
+                surface.role == "driven" ? "its prior and the other organs' surfaces let it"
+                                         : "its surroundings do"));
+        } else if (surface.seen_share == 0) {
+            warnings.push_back(
+                fmt::format("The target of {} shows no part of its surface: it carries no data.",
+                            surface.name));
+        }
+    }
+    return warnings;
 }
 
 }  // namespace
@@ -264,7 +325,10 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.device = found.solver.device;
     result.full_model_residual = found.relative_residual;
     result.warnings = found.warnings;
-    add_volumes(found, reference, target.labels->regions, settings, result);
+    for (auto& warning : warnings_about(result.surfaces)) {
+        result.warnings.push_back(std::move(warning));
+    }
+    add_volumes(found, reference, target, settings, result);
     return result;
 }
 

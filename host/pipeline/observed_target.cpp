@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace palpate {
 namespace {
@@ -17,8 +18,12 @@ VoxelPlanes voxel_planes(const LabelledState& state, const Mat3& to_reference) {
 
 std::vector<std::shared_ptr<const TargetShape>> target_shapes(const TargetState& target,
                                                               const Settings& settings) {
-    const RigidTransform back = target.alignment.reference_to_target.inverse();
     std::vector<std::shared_ptr<const TargetShape>> shapes;
+    if (!target.labels) {
+        for (const auto& shown : target.shown) shapes.push_back(shown.shape);
+        return shapes;
+    }
+    const RigidTransform back = target.alignment.reference_to_target.inverse();
     for (const auto& map : maps_of_matched(target.labels->field, settings)) {
         shapes.push_back(std::make_shared<DistanceMap>(map.moved(back)));
     }
@@ -26,19 +31,26 @@ std::vector<std::shared_ptr<const TargetShape>> target_shapes(const TargetState&
 }
 
 bool in_field_of_view(const TargetState& target, const Vec3& point) {
+    if (!target.labels) return true;
     return target.labels->field.inside_box(target.alignment.reference_to_target.apply(point));
 }
 
 ObservationOptions observation_options(const Settings& settings, const LabelledState& reference,
                                        const TargetState& target) {
-    const double voxel = std::cbrt(std::max(reference.regions.grid.voxel_volume(),
-                                            target.labels->regions.grid.voxel_volume()));
+    double volume = reference.regions.grid.voxel_volume();
+    if (target.labels) volume = std::max(volume, target.labels->regions.grid.voxel_volume());
+    const double voxel = std::cbrt(volume);
     ObservationOptions options;
     options.noise_mm = settings.prior.noise_voxels * voxel;
     options.independent_area_mm2 = 2.0 * voxel * voxel;
-    options.voxels = {
-        voxel_planes(reference, Mat3::Identity()),
-        voxel_planes(*target.labels, target.alignment.reference_to_target.rotation.transpose())};
+    options.voxels = {voxel_planes(reference, Mat3::Identity())};
+    if (target.labels) {
+        options.voxels.push_back(voxel_planes(
+            *target.labels, target.alignment.reference_to_target.rotation.transpose()));
+    } else {
+        // The setting is for two label volumes, which share its variance.
+        options.noise_mm = std::hypot(options.noise_mm / std::numbers::sqrt2, target.noise_mm);
+    }
     return options;
 }
 

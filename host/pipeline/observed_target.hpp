@@ -11,12 +11,12 @@
 namespace palpate {
 
 /// What the surface of each matched organ should come to lie on, in the reference frame, in
-/// settings order (that of `RecoveryModel::surfaces`).
+/// settings order (that of `RecoveryModel::surfaces`). Null: the target does not show it.
 std::vector<std::shared_ptr<const TargetShape>> target_shapes(const TargetState& target,
                                                               const Settings& settings);
 
 /// Whether the target could show what came from a point of the reference, mm: a label volume ends
-/// at its box.
+/// at its box. Where surfaces and points end is for their shapes to say.
 bool in_field_of_view(const TargetState& target, const Vec3& point);
 
 /// The noise of distances between the reference and this target.

@@ -12,6 +12,7 @@
 #include "host/modelling/regions.hpp"
 #include "host/objectives/surface_observations.hpp"
 #include "host/pipeline/observed_target.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -48,6 +49,19 @@ ObservedShapes observed_shapes(const PreparedReference& prepared, const Recovere
     }
     shapes.target = found.target;
     return shapes;
+}
+
+void check_anything_seen(const SurfaceObservations& observations, const RecoveryModel& recovery) {
+    const auto at_rest = [](const std::vector<Index>& nodes) {
+        return Eigen::VectorXd::Zero(3 * static_cast<Index>(nodes.size()));
+    };
+    const auto state = observations.evaluate(at_rest(recovery.driven), at_rest(recovery.observed));
+    if (std::any_of(state.seen.begin(), state.seen.end(), [](auto seen) { return seen != 0; })) {
+        return;
+    }
+    throw Error(ErrorCode::input_unusable,
+                "the target shows nothing of any organ's surface: no point of the reference lies "
+                "over it and faces as it does; check its frame, or give --initial-transform");
 }
 
 /// The wall and surface motion of a full displacement: [3 nodes.size()] mm.
@@ -130,6 +144,7 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
     const SurfaceObservations observations(
         found.recovery, observed_shapes(prepared, found), seen_nodes(found.mesh.mesh, target),
         observation_options(options.settings, prepared.reference.state, target));
+    check_anything_seen(observations, found.recovery);
     search_model(found, mechanics, *prepared.full_solver, observations, options, timer, progress);
     return found;
 }

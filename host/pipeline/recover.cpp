@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/imaging/io.hpp"
+#include "host/pipeline/partial_target.hpp"
 #include "host/pipeline/prepared.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
 
@@ -92,6 +93,44 @@ double seconds_after(const StageTimer& shared, const RecoveryResult& result) {
     return sum;
 }
 
+/// Who is told what.
+struct Listeners {
+    const ResultSink& result;
+    const ProgressSink& progress;
+    const FailureSink& failed;
+};
+
+/// Brings the targets into the frame of the reference, whose surfaces are known by then.
+using Align = std::function<std::vector<TargetState>(const ReferenceState& reference)>;
+
+void recover_aligned(LabelledState reference, std::optional<SavedReference> saved,
+                     const Align& align, const RecoverOptions& options, StageTimer& timer,
+                     const Listeners& tell) {
+    const ProgressSink& progress = tell.progress;
+    ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
+    timer.start("aligning");
+    const std::vector<TargetState> aligned = align(state);
+    const PreparedReference prepared =
+        finish_reference(std::move(state), std::move(saved), options, timer, progress);
+    save(prepared, options, timer, progress);
+    timer.stop();
+
+    for (std::size_t k = 0; k < aligned.size(); ++k) {
+        if (aligned.size() > 1) {
+            report_progress(progress, fmt::format("target {}", k + 1), 0,
+                            fmt::format("of {}: {}", aligned.size(), aligned[k].name));
+        }
+        try {
+            RecoveryResult result = recover_target(prepared, aligned[k], options, timer, progress);
+            const double seconds = seconds_after(timer, result);
+            tell.result(k, std::move(result), seconds);
+        } catch (const Error& error) {
+            if (!tell.failed) throw;
+            tell.failed(k, error);
+        }
+    }
+}
+
 }  // namespace
 
 Segmentation read_segmentation(const std::filesystem::path& path) {
@@ -108,34 +147,35 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
     auto reading =
         std::async(std::launch::async, [&] { return make_states(targets, options.settings); });
     LabelledState reference_state = make_state(reference, options.settings);
-    std::vector<LabelledState> target_states = reading.get();
-
-    ReferenceState state =
-        start_reference(std::move(reference_state), saved, options, timer, progress);
-    timer.start("aligning");
-    std::vector<TargetState> aligned;
-    for (auto& target : target_states) {
-        aligned.push_back(align_target(std::move(target), state, options, progress));
-    }
-    const PreparedReference prepared =
-        finish_reference(std::move(state), std::move(saved), options, timer, progress);
-    save(prepared, options, timer, progress);
-    timer.stop();
-
-    for (std::size_t k = 0; k < aligned.size(); ++k) {
-        if (aligned.size() > 1) {
-            report_progress(progress, fmt::format("target {}", k + 1), 0,
-                            fmt::format("of {}: {}", aligned.size(), aligned[k].name));
+    std::vector<LabelledState> states = reading.get();
+    const auto align = [&](const ReferenceState& state) {
+        std::vector<TargetState> aligned;
+        for (auto& target : states) {
+            aligned.push_back(align_target(std::move(target), state, options, progress));
         }
-        try {
-            RecoveryResult result = recover_target(prepared, aligned[k], options, timer, progress);
-            const double seconds = seconds_after(timer, result);
-            sink(k, std::move(result), seconds);
-        } catch (const Error& error) {
-            if (!failed) throw;
-            failed(k, error);
-        }
-    }
+        return aligned;
+    };
+    recover_aligned(std::move(reference_state), std::move(saved), align, options, timer,
+                    {sink, progress, failed});
+}
+
+RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
+                       const RecoverOptions& options, const ProgressSink& progress) {
+    check_partial_target(target, options);
+    StageTimer timer;
+    timer.start("reading");
+    std::optional<SavedReference> saved = read_saved(options, progress);
+    report_progress(progress, "reading", 0, "smoothing the segmentation");
+    const auto place = [&](const ReferenceState& state) {
+        std::vector<TargetState> placed;
+        placed.push_back(place_target(target, state, options));
+        return placed;
+    };
+    RecoveryResult only;
+    const auto keep = [&](std::size_t, RecoveryResult result, double) { only = std::move(result); };
+    recover_aligned(make_state(reference, options.settings), std::move(saved), place, options,
+                    timer, {keep, progress, {}});
+    return only;
 }
 
 RecoveryResult recover(const Segmentation& reference, const Segmentation& target,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "host/imaging/label_image.hpp"
@@ -15,6 +16,7 @@
 #include "host/modelling/settings.hpp"
 #include "host/pipeline/mechanics.hpp"
 #include "host/result/recovery_result.hpp"
+#include "host/surfaces/surface.hpp"
 #include "solver/base/error.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -52,6 +54,20 @@ struct Segmentation {
 
 Segmentation read_segmentation(const std::filesystem::path& path);
 
+/// The surface of one organ, which may be open, or points on it, mm LPS.
+struct OrganTarget {
+    std::string organ;  ///< its name in the settings
+    std::string name;   ///< for messages and the report
+    std::variant<Surface, std::vector<Vec3>> shape;
+};
+
+/// A target of which no label volume exists. Organs that are not given, and what a shape does not
+/// show of one, carry no data.
+struct PartialTarget {
+    std::vector<OrganTarget> organs;
+    double noise_mm = 0.5;  ///< standard deviation of its points about the organs' surfaces
+};
+
 /// Receives the result of each target, in order, and the seconds that it took beyond what is done
 /// once for all targets.
 using ResultSink =
@@ -63,6 +79,14 @@ using FailureSink = std::function<void(std::size_t target, const Error& error)>;
 /// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section
 /// 1). Throws Error with the codes of each station; not converging is reported in the result.
 RecoveryResult recover(const Segmentation& reference, const Segmentation& target,
+                       const RecoverOptions& options, const ProgressSink& progress = {});
+
+/// The same for a target made of surfaces and points. It is in the reference's frame unless
+/// `options.initial_transform` says otherwise. Dice and labels on a target grid do not exist then.
+/// Throws Error(invalid_argument) for organs that are unknown, fixed or given twice and for options
+/// that need a label volume, Error(input_unusable) for a shape of another size or place than its
+/// organ.
+RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
                        const RecoverOptions& options, const ProgressSink& progress = {});
 
 /// The same for several targets of one reference, which is meshed and condensed once. All targets

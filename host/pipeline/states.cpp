@@ -143,7 +143,7 @@ TargetState align_target(LabelledState target, const ReferenceState& reference,
                     fmt::format("{}: translation ({:.2f}, {:.2f}, {:.2f}) mm", alignment.method,
                                 shift[0], shift[1], shift[2]));
     std::string name = target.name;
-    return {std::move(name), std::move(alignment), std::move(target)};
+    return {std::move(name), std::move(alignment), std::move(target), {}, 0};
 }
 
 std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "host/modelling/alignment.hpp"
 #include "host/pipeline/recover.hpp"
 #include "host/surfaces/surface.hpp"
+#include "host/surfaces/target_shape.hpp"
 
 namespace palpate {
 
@@ -33,11 +35,20 @@ struct ReferenceState {
 ReferenceState make_reference(LabelledState state, const RecoverOptions& options,
                               const ProgressSink& progress);
 
-/// A target, brought into the reference's frame.
+/// The part of an organ's surface that a target without labels shows.
+struct ShownSurface {
+    std::string kind = "none";                 ///< "surface", "points", or "none": not given
+    std::shared_ptr<const TargetShape> shape;  ///< null if not given
+    Surface picture;                           ///< for the report; small marks in place of points
+};
+
+/// A target, brought into the reference's frame: a label volume, or surfaces and points.
 struct TargetState {
     std::string name;  ///< for messages and the report
     AlignmentResult alignment;
-    std::optional<LabelledState> labels;
+    std::optional<LabelledState> labels;  ///< in its own frame
+    std::vector<ShownSurface> shown;      ///< without labels: of the matched organs, settings order
+    double noise_mm = 0;                  ///< without labels: of a point about the organ's surface
 };
 
 /// Throws Error(input_unusable) if an organ does not overlap between the two.

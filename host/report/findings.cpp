@@ -30,6 +30,10 @@ std::string decimals(double value, int digits) {
     return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "n/a";
 }
 
+std::string decimals_or_dash(double value, int digits) {
+    return std::isfinite(value) ? decimals(value, digits) : "–";
+}
+
 std::string significant(double value) {
     if (!std::isfinite(value)) return "n/a";
     if (value == 0) return "0";
@@ -92,6 +96,19 @@ std::string surfaces_sentence(const RecoveryResult& result) {
         decimals(before / count, 2), decimals(after / count, 2), count, count == 1 ? "" : "s");
 }
 
+std::string seen_sentence(const RecoveryResult& result) {
+    std::string parts;
+    for (const SurfaceResult& s : result.surfaces) {
+        if (s.target_kind == "labels") return "";
+        parts += parts.empty() ? "" : "; ";
+        parts += s.target_kind == "none"
+                     ? fmt::format("{}: not given", s.name)
+                     : fmt::format("{}: {} % ({})", s.name, decimals(100 * s.seen_share, 0),
+                                   s.target_kind);
+    }
+    return parts.empty() ? "" : "Part of each surface that the target shows: " + parts + ".";
+}
+
 std::string termination_sentence(const RecoveryResult& result) {
     const Termination& t = result.termination;
     return fmt::format("The search {} after {} iteration{} in {} s{}{}",
@@ -115,6 +132,7 @@ std::vector<std::string> summary_sentences(const RecoveryResult& result) {
     for (const RegionResult& r : result.regions)
         if (r.unknown) list.push_back(finding_sentence(result, r));
     if (const std::string text = surfaces_sentence(result); !text.empty()) list.push_back(text);
+    if (const std::string text = seen_sentence(result); !text.empty()) list.push_back(text);
     list.push_back(termination_sentence(result));
     return list;
 }

@@ -14,6 +14,8 @@ namespace palpate {
 std::string significant(double value);
 /// A number with fixed decimals; "n/a" if it is not finite.
 std::string decimals(double value, int digits);
+/// The same for a table, with a dash for what does not exist.
+std::string decimals_or_dash(double value, int digits);
 
 /// The name of a region of the result; "region N" if it has none.
 std::string region_name(const RecoveryResult& result, Index region);
@@ -26,6 +28,8 @@ const RegionResult* reference_tissue(const RecoveryResult& result);
 std::string finding_sentence(const RecoveryResult& result, const RegionResult& region);
 /// How well the surfaces agree, in one sentence; empty without observed surfaces.
 std::string surfaces_sentence(const RecoveryResult& result);
+/// How much of each organ's surface carried data; empty where the target has labels.
+std::string seen_sentence(const RecoveryResult& result);
 /// Whether the search converged, in one sentence.
 std::string termination_sentence(const RecoveryResult& result);
 /// Which linear solver each stage used, where and why, in one line; empty if nobody says.

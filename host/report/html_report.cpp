@@ -22,7 +22,7 @@ std::string section(const std::string& id, const std::string& title, const std::
     return fmt::format("<section id='{}'><h2>{}</h2>{}</section>", id, title, content);
 }
 
-std::string slices_note(const LabelVolumes& volumes) {
+std::string slices_note(const RecoveryResult& result, const LabelVolumes& volumes) {
     if (volumes.empty()) return "No organ has a voxel on the reference grid: nothing to show.";
     std::string text = fmt::format(
         "Voxels of {} × {} × {} mm (left–right, front–back, up–down), "
@@ -34,6 +34,8 @@ std::string slices_note(const LabelVolumes& volumes) {
             " The slices follow the image grid, which is tilted by up to {}° to the "
             "patient axes.",
             decimals(volumes.tilt_deg, 1));
+    if (result.target_labels_aligned.voxels.empty())
+        text += " The target has no labels: its surfaces and points show where a slice cuts them.";
     return text;
 }
 
@@ -73,7 +75,7 @@ std::string html_report(const RecoveryResult& result, bool include_file_names) {
          {"axial", slice(SliceView::axial)},
          {"coronal", slice(SliceView::coronal)},
          {"sagittal", slice(SliceView::sagittal)},
-         {"slices_note", escape_html(slices_note(volumes))},
+         {"slices_note", escape_html(slices_note(result, volumes))},
          {"certainty", section("certainty", "How sure is it",
                                figures.empty() ? ""
                                                : "<div class='figures'>" + figures +

@@ -54,7 +54,7 @@ std::string finding_card(const RecoveryResult& result, const RegionResult& r) {
 
 std::string before_after_cells(double before, double after, int digits) {
     return fmt::format("<td class='num from'>{}</td><td class='num'>{}</td>",
-                       decimals(before, digits), decimals(after, digits));
+                       decimals_or_dash(before, digits), decimals_or_dash(after, digits));
 }
 
 std::string facts(const std::vector<std::pair<std::string, std::string>>& rows) {
@@ -202,6 +202,8 @@ std::string surfaces_table_html(const RecoveryResult& result) {
         out +=
             "<p class='caption'><sup>*</sup> Cut by the field of view; the cut face carries no "
             "data.</p>";
+    if (const std::string seen = seen_sentence(result); !seen.empty())
+        out += "<p class='caption'>" + escape_html(seen) + "</p>";
     return out;
 }
 

@@ -40,6 +40,8 @@ Json region_json(const RegionResult& r) {
 Json surface_json(const SurfaceResult& s) {
     return {{"name", s.name},
             {"role", s.role},
+            {"target", s.target_kind},
+            {"seen_share", number(s.seen_share)},
             {"dice_before", number(s.dice_before)},
             {"dice_after", number(s.dice_after)},
             {"mean_distance_mm_before", number(s.mean_distance_mm_before)},

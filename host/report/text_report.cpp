@@ -31,9 +31,11 @@ std::string surfaces_table(const RecoveryResult& result) {
                     {false, false, true, true, true, true, true, true});
     for (const SurfaceResult& s : result.surfaces)
         table.add({harmless(s.name) + (s.cut_by_image ? " *" : ""), s.role,
-                   decimals(s.dice_before, 3), decimals(s.dice_after, 3),
-                   decimals(s.mean_distance_mm_before, 2), decimals(s.mean_distance_mm_after, 2),
-                   decimals(s.max_distance_mm_before, 2), decimals(s.max_distance_mm_after, 2)});
+                   decimals_or_dash(s.dice_before, 3), decimals_or_dash(s.dice_after, 3),
+                   decimals_or_dash(s.mean_distance_mm_before, 2),
+                   decimals_or_dash(s.mean_distance_mm_after, 2),
+                   decimals_or_dash(s.max_distance_mm_before, 2),
+                   decimals_or_dash(s.max_distance_mm_after, 2)});
     return table.text();
 }
 
@@ -45,6 +47,7 @@ std::string text_report(const RecoveryResult& result) {
     if (std::any_of(result.surfaces.begin(), result.surfaces.end(),
                     [](const SurfaceResult& s) { return s.cut_by_image; }))
         out += "* cut by the field of view; the cut face carries no data\n";
+    if (const std::string seen = seen_sentence(result); !seen.empty()) out += harmless(seen) + '\n';
     out += '\n';
     for (const std::string& warning : result.warnings)
         out += "Warning: " + harmless(warning) + '\n';

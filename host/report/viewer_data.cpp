@@ -3,6 +3,7 @@
 #include "host/report/viewer_data.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -56,10 +57,18 @@ std::vector<double> traction_kpa(const SurfaceResult& s, const std::vector<Vec3>
     return traction;
 }
 
+/// A distance at each vertex of an organ surface; what the viewer knows as unseen elsewhere.
+std::vector<double> seen_distances(const SurfaceResult& s, std::vector<double> distance_mm) {
+    constexpr double unseen = 1e4;  // as in surface_viewer.js
+    distance_mm.resize(s.reference.vertices.size(), 0.0);
+    for (std::size_t v = 0; v < std::min(s.seen.size(), distance_mm.size()); ++v)
+        if (!s.seen[v]) distance_mm[v] = unseen;
+    return distance_mm;
+}
+
 Json surface_json(const RecoveryResult& result, const SurfaceResult& s) {
-    std::vector<double> before = s.distance_before_mm, after = s.distance_after_mm;
-    before.resize(s.reference.vertices.size(), 0.0);
-    after.resize(s.reference.vertices.size(), 0.0);
+    const std::vector<double> before = seen_distances(s, s.distance_before_mm),
+                              after = seen_distances(s, s.distance_after_mm);
     return {{"name", s.name},
             {"role", s.role},
             {"colour", region_colour(result, s.region)},

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -50,7 +51,10 @@ struct SurfaceResult {
     Index region = 0;
     std::string name;
     std::string role;
-    double dice_before = 0, dice_after = 0;
+    std::string target_kind = "labels";      ///< "surface", "points" or "none": not given
+    double seen_share = 1;                   ///< of its area: the part that carries data
+    double dice_before = 0, dice_after = 0;  ///< NaN without target labels
+    // Over the part that was seen; NaN if nothing was.
     double mean_distance_mm_before = 0, mean_distance_mm_after = 0;
     double max_distance_mm_before = 0, max_distance_mm_after = 0;
     bool cut_by_image = false;
@@ -62,7 +66,8 @@ struct SurfaceResult {
     std::vector<Index> node_of;
     std::vector<double> distance_before_mm;  ///< signed, per vertex of `reference`, before
     std::vector<double> distance_after_mm;
-    Surface target;  ///< target surface, aligned, without caps
+    std::vector<std::uint8_t> seen;  ///< per vertex: whether the target says anything about it
+    Surface target;                  ///< aligned, without caps; small marks in place of points
 };
 
 struct RecoveryResult {
@@ -90,9 +95,10 @@ struct RecoveryResult {
     std::vector<std::pair<std::string, double>> timings_s;  ///< stages in order; total is added
     std::vector<std::string> warnings;
 
-    // Volumes on the target's grid.
+    // Volumes on the target's grid; without target labels on the reference's, moved by the
+    // alignment.
     LabelImage reference_labels;       ///< carried there by the alignment alone
-    LabelImage target_labels_aligned;  ///< the target as it was read
+    LabelImage target_labels_aligned;  ///< the target as it was read; empty without target labels
     LabelImage warped_labels;          ///< reference labels carried by the displacement
     // On the reference grid.
     Image<Vec3> displacement_field;  ///< mm, LPS, reference to target (alignment included)

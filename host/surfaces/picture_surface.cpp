@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/surfaces/picture_surface.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/surfaces/zero_level.hpp"
 
@@ -50,6 +52,29 @@ Surface picture_surface(const TargetShape& shape, const std::vector<Vec3>& near,
         return !keep((surface.vertices[t[0]] + surface.vertices[t[1]] + surface.vertices[t[2]]) /
                      3.0);
     });
+    return surface;
+}
+
+Surface picture_of_points(const std::vector<Vec3>& points, double spacing_mm) {
+    constexpr std::size_t most_points = 4000;
+    const std::size_t step = 1 + points.size() / most_points;
+    const double radius = std::clamp(0.4 * spacing_mm, 0.2, 1.0);
+    Surface surface;
+    for (std::size_t k = 0; k < points.size(); k += step) {
+        const Index first = static_cast<Index>(surface.vertices.size());
+        for (int a = 0; a < 3; ++a) {
+            for (const double side : {-radius, radius}) {
+                surface.vertices.push_back(points[k] + side * Vec3::Unit(a));
+            }
+        }
+        for (int face = 0; face < 8; ++face) {
+            // One end of each axis; an odd number of low ends turns the triangle round.
+            const Index x = face & 1, y = face >> 1 & 1, z = face >> 2 & 1;
+            Triangle corners{first + x, first + 2 + y, first + 4 + z};
+            if ((x + y + z) % 2 == 0) std::swap(corners[1], corners[2]);
+            surface.triangles.push_back(corners);
+        }
+    }
     return surface;
 }
 

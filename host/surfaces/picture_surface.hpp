@@ -15,4 +15,8 @@ namespace palpate {
 Surface picture_surface(const TargetShape& shape, const std::vector<Vec3>& near,
                         double edge_length_mm, const std::function<bool(const Vec3&)>& keep);
 
+/// A cloud of points as small octahedra that hardly touch, of at most 4000 points evenly taken from
+/// it, for pictures. `spacing_mm`: distance between neighbours.
+Surface picture_of_points(const std::vector<Vec3>& points, double spacing_mm);
+
 }  // namespace palpate

@@ -7,6 +7,9 @@ const colourMaps = {
   sequential: ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"],
 };
 
+/** A distance that stands for "the target does not show this part". */
+const unseen = 1e4;
+
 const vertexShader = `
 attribute vec3 p, u, n0, n1;
 attribute float s0, s1;
@@ -42,6 +45,7 @@ void main() {
     return;
   }
   vec3 base = flat_colour.a > 0.0 ? flat_colour.rgb
+      : value > 5e3 ? vec3(0.62)  // unseen
       : texture2D(map, vec2(clamp((value - range.x) / (range.y - range.x), 0.002, 0.998), 0.5)).rgb;
   float key = max(dot(n, normalize(vec3(-0.35, 0.55, 0.75))), 0.0);
   float shine = pow(max(dot(n, normalize(vec3(-0.18, 0.30, 0.94))), 0.0), 40.0);
@@ -203,7 +207,7 @@ function startSurfaceViewer(surfaceData) {
       .map((s) => quantile(pick(s), 0.97)));
     const moving = ["tissue", "driven"];
     return {
-      distance: roundUp(largest((s) => s.before, moving)),
+      distance: roundUp(largest((s) => s.before.filter((d) => d < unseen), moving)),
       displacement: roundUp(largest((s) => s.length, moving)),
       traction: roundUp(largest((s) => s.traction, ["driven"])),
     };

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "host/surfaces/picture_surface.hpp"
 #include "tests/unit/surfaces/analytic_surfaces.hpp"
 
 namespace palpate {
@@ -56,6 +59,26 @@ TEST(Surface, SharesAreaAmongTheVertices) {
 
     // Triangles of 6 and 9 mm^2; the last vertex belongs to none.
     EXPECT_EQ(vertex_areas(surface), (std::vector<double>{5, 5, 2, 3, 0}));
+}
+
+TEST(PictureOfPoints, IsOneMarkTurnedOutwardForEachPointOfASmallCloud) {
+    const Surface marks = picture_of_points({Vec3(0, 0, 0), Vec3(5, 0, 0), Vec3(0, 9, 1)}, 2.0);
+
+    EXPECT_EQ(marks.triangles.size(), 24u);
+    EXPECT_NEAR(enclosed_volume(marks), 3 * 4.0 / 3 * std::pow(0.8, 3), 1e-12);
+}
+
+TEST(PictureOfPoints, ThinsALargeCloud) {
+    const Surface marks = picture_of_points(std::vector<Vec3>(50000, Vec3::Zero()), 1.0);
+    EXPECT_LE(marks.triangles.size(), 8u * 4000);
+}
+
+TEST(VertexNormals, AverageTheTrianglesRoundAVertex) {
+    const Surface roof{{Vec3(0, 0, 0), Vec3(0, 2, 0), Vec3(1, 0, -1), Vec3(-1, 0, -1)},
+                       {{0, 2, 1}, {0, 1, 3}}};
+    const auto normals = vertex_normals(roof);
+    EXPECT_LT((normals[0] - Vec3(0, 0, 1)).norm(), 1e-12);
+    EXPECT_LT((normals[2] - Vec3(1, 0, 1).normalized()).norm(), 1e-12);
 }
 
 }  // namespace
