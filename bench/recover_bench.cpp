@@ -3,7 +3,7 @@
 // How long from a mesh in memory to moduli, forces, field and intervals, and how long for a further
 // target of the same reference? On pelvis phantoms with 1 mm voxels; figures in
 // docs/performance.md.
-//   mesh_to_answer      condensing, response model, search, full solve
+//   mesh_to_answer      distance maps of the target, condensing, response model, search, full solve
 //   further_target      distances to search to full solve, the reference being prepared
 //   voxels_to_answer    label volumes in memory to the whole result
 //   nested_baseline     the published search from the same mesh, without any condensing, until it
@@ -97,10 +97,11 @@ void mesh_to_answer(benchmark::State& state, const Size& size) {
     Recovered found;
     for (auto _ : state) {
         StageTimer timer;
+        auto shapes = start_target_shapes(input.aligned, input.options.settings);
         const PreparedReference prepared =
             prepare_mesh(input.prepared.reference, input.prepared.mesh, input.prepared.mesher,
                          input.prepared.maps, input.options, timer, {});
-        found = search_target(prepared, input.aligned, input.options, timer, {});
+        found = search_target(prepared, input.aligned, std::move(shapes), input.options, timer, {});
         timer.stop();
         add_times(state, timer);
     }
@@ -112,7 +113,9 @@ void further_target(benchmark::State& state, const Size& size) {
     Recovered found;
     for (auto _ : state) {
         StageTimer timer;
-        found = search_target(input.prepared, input.aligned, input.options, timer, {});
+        found = search_target(input.prepared, input.aligned,
+                              start_target_shapes(input.aligned, input.options.settings),
+                              input.options, timer, {});
         timer.stop();
         add_times(state, timer);
     }
@@ -137,7 +140,9 @@ void nested_baseline(benchmark::State& state, const Size& size) {
     Recovered found;
     for (auto _ : state) {
         StageTimer timer;
-        found = search_target(input.prepared, input.aligned, options, timer, {});
+        found =
+            search_target(input.prepared, input.aligned,
+                          start_target_shapes(input.aligned, options.settings), options, timer, {});
         timer.stop();
         add_times(state, timer);
     }

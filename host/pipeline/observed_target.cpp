@@ -16,9 +16,8 @@ VoxelPlanes voxel_planes(const LabelledState& state, const Mat3& to_reference) {
 
 }  // namespace
 
-std::vector<std::shared_ptr<const TargetShape>> target_shapes(const TargetState& target,
-                                                              const Settings& settings) {
-    std::vector<std::shared_ptr<const TargetShape>> shapes;
+TargetShapes target_shapes(const TargetState& target, const Settings& settings) {
+    TargetShapes shapes;
     if (!target.labels) {
         for (const auto& shown : target.shown) shapes.push_back(shown.shape);
         return shapes;
@@ -28,6 +27,10 @@ std::vector<std::shared_ptr<const TargetShape>> target_shapes(const TargetState&
         shapes.push_back(std::make_shared<DistanceMap>(map.moved(back)));
     }
     return shapes;
+}
+
+std::future<TargetShapes> start_target_shapes(const TargetState& target, const Settings& settings) {
+    return std::async(std::launch::async, [&] { return target_shapes(target, settings); });
 }
 
 bool in_field_of_view(const TargetState& target, const Vec3& point) {

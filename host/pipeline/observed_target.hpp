@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <future>
 #include <memory>
 #include <vector>
 
@@ -12,8 +13,12 @@ namespace palpate {
 
 /// What the surface of each matched organ should come to lie on, in the reference frame, in
 /// settings order (that of `RecoveryModel::surfaces`). Null: the target does not show it.
-std::vector<std::shared_ptr<const TargetShape>> target_shapes(const TargetState& target,
-                                                              const Settings& settings);
+using TargetShapes = std::vector<std::shared_ptr<const TargetShape>>;
+TargetShapes target_shapes(const TargetState& target, const Settings& settings);
+
+/// The same in the background, from before the reference is meshed or the target before this one is
+/// searched. `target` and `settings` must outlive the future.
+std::future<TargetShapes> start_target_shapes(const TargetState& target, const Settings& settings);
 
 /// Whether the target could show what came from a point of the reference, mm: a label volume ends
 /// at its box. Where surfaces and points end is for their shapes to say.

@@ -130,8 +130,8 @@ std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
 }
 
 Recovered search_target(const PreparedReference& prepared, const TargetState& target,
-                        const RecoverOptions& options, StageTimer& timer,
-                        const ProgressSink& progress) {
+                        std::future<TargetShapes> shapes, const RecoverOptions& options,
+                        StageTimer& timer, const ProgressSink& progress) {
     const Mechanics& mechanics = prepared.mechanics;
     Recovered found;
     found.alignment = target.alignment;
@@ -140,7 +140,7 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
     found.recovery = mechanics.recovery;
 
     timer.start("distances");
-    found.target = target_shapes(target, options.settings);
+    found.target = shapes.get();
     const SurfaceObservations observations(
         found.recovery, observed_shapes(prepared, found), seen_nodes(found.mesh.mesh, target),
         observation_options(options.settings, prepared.reference.state, target));

@@ -8,6 +8,7 @@
 #include "host/objectives/surface_observations.hpp"
 #include "host/pipeline/finish.hpp"
 #include "host/pipeline/mechanics.hpp"
+#include "host/pipeline/observed_target.hpp"
 #include "host/pipeline/stages.hpp"
 #include "host/pipeline/states.hpp"
 
@@ -36,10 +37,10 @@ PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, Mesher
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
                                               const LinearSolverOptions& options);
 
-/// Moduli, wall motion, field and forces for one target.
+/// Moduli, wall motion, field and forces for one target, from `start_target_shapes` of it.
 Recovered search_target(const PreparedReference& prepared, const TargetState& target,
-                        const RecoverOptions& options, StageTimer& timer,
-                        const ProgressSink& progress);
+                        std::future<TargetShapes> shapes, const RecoverOptions& options,
+                        StageTimer& timer, const ProgressSink& progress);
 
 /// The same from what is observed, for any shape of the target: fills `found.estimate`, field and
 /// forces. `found.recovery` is that of `mechanics`.

@@ -17,9 +17,10 @@ namespace palpate {
 namespace {
 
 RecoveryResult recover_target(const PreparedReference& prepared, const TargetState& target,
-                              const RecoverOptions& options, StageTimer timer,
-                              const ProgressSink& progress) {
-    const Recovered found = search_target(prepared, target, options, timer, progress);
+                              std::future<TargetShapes> shapes, const RecoverOptions& options,
+                              StageTimer timer, const ProgressSink& progress) {
+    const Recovered found =
+        search_target(prepared, target, std::move(shapes), options, timer, progress);
     timer.start("volumes");
     report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
     const LabelledState& reference = prepared.reference.state;
@@ -110,6 +111,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
     ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
     timer.start("aligning");
     const std::vector<TargetState> aligned = align(state);
+    std::future<TargetShapes> next = start_target_shapes(aligned.front(), options.settings);
     const PreparedReference prepared =
         finish_reference(std::move(state), std::move(saved), options, timer, progress);
     save(prepared, options, timer, progress);
@@ -120,8 +122,11 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
             report_progress(progress, fmt::format("target {}", k + 1), 0,
                             fmt::format("of {}: {}", aligned.size(), aligned[k].name));
         }
+        std::future<TargetShapes> shapes = std::move(next);
+        if (k + 1 < aligned.size()) next = start_target_shapes(aligned[k + 1], options.settings);
         try {
-            RecoveryResult result = recover_target(prepared, aligned[k], options, timer, progress);
+            RecoveryResult result =
+                recover_target(prepared, aligned[k], std::move(shapes), options, timer, progress);
             const double seconds = seconds_after(timer, result);
             tell.result(k, std::move(result), seconds);
         } catch (const Error& error) {

@@ -140,7 +140,8 @@ Recovered found_with(const PreparedReference& prepared, const RecoverOptions& op
     const TargetState target =
         align_target(make_state(volume(10.5), options.settings), prepared.reference, options, {});
     StageTimer timer;
-    return search_target(prepared, target, options, timer, {});
+    return search_target(prepared, target, start_target_shapes(target, options.settings), options,
+                         timer, {});
 }
 
 TEST_F(SavedReferenceFile, GivesTheSameAnswersToTheLastBit) {
