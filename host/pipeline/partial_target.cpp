@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <utility>
 
@@ -67,11 +66,23 @@ double diagonal(const LabelField& field, Index region) {
     return length.norm();
 }
 
+/// From the box round the voxels of a region.
+double distance_to_box(const LabelField& field, Index region, const Vec3& point) {
+    const auto [first, last] = field.voxel_box(region);
+    const Vec3 index = field.grid().to_index(point);
+    Vec3 beyond;
+    for (int a = 0; a < 3; ++a) {
+        beyond[a] = index[a] - std::clamp(index[a], double(first[a]), double(last[a]));
+    }
+    return beyond.cwiseProduct(field.grid().spacing).norm();
+}
+
+/// Median over the points, their axes turned by `signs`.
 double median_distance(const LabelField& field, Index region, const std::vector<Vec3>& points,
                        const Vec3& signs) {
     std::vector<double> distance;
     for (const Vec3& x : points) {
-        distance.push_back(std::abs(field.value(region, x.cwiseProduct(signs))));
+        distance.push_back(distance_to_box(field, region, x.cwiseProduct(signs)));
     }
     const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
     std::nth_element(distance.begin(), middle, distance.end());
