@@ -223,13 +223,15 @@ Eigen::MatrixXd LinearisedProblem::seen_information(const Eigen::VectorXd& theta
            unseen.transpose() * response.inner.solve(unseen);
 }
 
-double LinearisedProblem::misfit(const Eigen::VectorXd& theta) const {
-    double prior = 0;
-    for (Index k = 0; k < num_unknown(); ++k) {
-        const double z = (theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
-        prior += 0.5 * z * z;
+std::vector<double> LinearisedProblem::misfits(const std::vector<Eigen::VectorXd>& thetas) const {
+    std::vector<double> values = objectives(thetas);
+    for (std::size_t p = 0; p < thetas.size(); ++p) {
+        for (Index k = 0; k < num_unknown(); ++k) {
+            const double z = (thetas[p][k] - priors_[k].mean_ln) / priors_[k].sd_ln;
+            values[p] -= 0.5 * z * z;
+        }
     }
-    return evaluate(theta, false).objective - prior;
+    return values;
 }
 
 Eigen::MatrixXd LinearisedProblem::hessian(const Eigen::VectorXd& theta) const {

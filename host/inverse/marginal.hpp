@@ -53,7 +53,7 @@ public:
     std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const;
     Fit fit(const Eigen::VectorXd& theta) const;
     /// F less the prior of the moduli: minus the log likelihood of the observed rows.
-    double misfit(const Eigen::VectorXd& theta) const;
+    std::vector<double> misfits(const std::vector<Eigen::VectorXd>& thetas) const;
     /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
     /// at theta, all data seen; functionals [driven_dofs, n].
     Eigen::MatrixXd motion_covariance(const Eigen::VectorXd& theta,

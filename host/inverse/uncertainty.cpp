@@ -91,15 +91,14 @@ ScaledSensitivity scaled_sensitivity(const Eigen::MatrixXd& information,
 std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
                                   const Eigen::MatrixXd& covariance, Index unknown,
                                   const ModulusBounds& bounds) {
-    const double allowed = problem.misfit(theta) + profile_rise;
     const Eigen::VectorXd alone = Eigen::VectorXd::Unit(theta.size(), unknown);
     const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
-    const auto excludes = [&](double end_ln) {
-        const double step = end_ln - theta[unknown];
-        return std::min(problem.misfit(theta + step * alone),
-                        problem.misfit(theta + step * ridge)) > allowed;
-    };
-    return {excludes(bounds.lower_ln), excludes(bounds.upper_ln)};
+    const double down = bounds.lower_ln - theta[unknown], up = bounds.upper_ln - theta[unknown];
+    const std::vector<double> misfit =
+        problem.misfits({theta, theta + down * alone, theta + down * ridge, theta + up * alone,
+                         theta + up * ridge});
+    const double allowed = misfit[0] + profile_rise;
+    return {std::min(misfit[1], misfit[2]) > allowed, std::min(misfit[3], misfit[4]) > allowed};
 }
 
 std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa) {

@@ -171,7 +171,8 @@ TEST(Marginal, MisfitIsTheObjectiveWithoutThePriorOfTheModuli) {
     double prior = 0;
     for (int k = 0; k < 2; ++k) prior += 0.5 * std::pow((theta[k] - std::log(60.0)) / 1.2, 2);
 
-    EXPECT_NEAR(problem.misfit(theta) + prior, problem.evaluate(theta, false).objective, 1e-9);
+    EXPECT_NEAR(problem.misfits({theta})[0] + prior, problem.evaluate(theta, false).objective,
+                1e-9);
 }
 
 TEST(Marginal, SearchEndsWhereTheGradientVanishes) {
