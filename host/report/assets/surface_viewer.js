@@ -45,7 +45,7 @@ void main() {
     return;
   }
   vec3 base = flat_colour.a > 0.0 ? flat_colour.rgb
-      : value > 5e3 ? vec3(0.62)  // unseen
+      : value > 2e2 ? vec3(0.62)  // unseen, and the edges that lead there
       : texture2D(map, vec2(clamp((value - range.x) / (range.y - range.x), 0.002, 0.998), 0.5)).rgb;
   float key = max(dot(n, normalize(vec3(-0.35, 0.55, 0.75))), 0.0);
   float shine = pow(max(dot(n, normalize(vec3(-0.18, 0.30, 0.94))), 0.0), 40.0);
