@@ -28,6 +28,7 @@ std::pair<std::string, std::filesystem::path> split(const std::string& option,
 }  // namespace
 
 void add_partial_target_options(CLI::App& command, PartialTargetArguments& arguments) {
+    CLI::Option* labels = command.get_option("target");
     command
         .add_option("--target-surface", arguments.surfaces,
                     "ORGAN=FILE: that organ's surface in state two, open or closed, mm (.vtp .vtk "
@@ -42,11 +43,13 @@ void add_partial_target_options(CLI::App& command, PartialTargetArguments& argum
         .add_option("--target-frame", arguments.frame,
                     "Frame of the coordinates in these files: lps or ras")
         ->check(CLI::IsMember({"lps", "ras"}))
+        ->excludes(labels)
         ->capture_default_str();
     command
         .add_option("--target-noise", arguments.noise_mm,
                     "Standard deviation of these surfaces and points, mm")
         ->check(CLI::Range(0.01, 20.0))
+        ->excludes(labels)
         ->capture_default_str();
 }
 

@@ -17,6 +17,7 @@ struct PartialTargetArguments {
     double noise_mm = PartialTarget{}.noise_mm;
 };
 
+/// To be called after the option "target" was added.
 void add_partial_target_options(CLI::App& command, PartialTargetArguments& arguments);
 
 bool has_shapes(const PartialTargetArguments& arguments);
