@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/objectives/surface_observations.hpp"
+#include "host/objectives/voxel_terraces.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {

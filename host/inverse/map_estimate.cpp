@@ -76,7 +76,7 @@ private:
     State accelerated_step(const State& from, const ModulusMinimum& best,
                            AndersonAcceleration& acceleration, bool& improved) const;
     State blind_step(const State& from, const ModulusMinimum& best) const;
-    bool update_noise(const ModulusMinimum& best);
+    bool update_noise(const ModulusMinimum& best, const State& state);
     void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
 
@@ -200,14 +200,18 @@ State Search::blind_step(const State& from, const ModulusMinimum& best) const {
 }
 
 /// sigma_n^2 such that the observed residual has the size that its own model predicts:
-/// E[r^T R^-1 r] = trace(R C^-1) for r = R C^-1 e. Returns whether it changed by more than 2 %.
-bool Search::update_noise(const ModulusMinimum& best) {
-    if (!options_.estimate_noise || best.fit.effective_rows < 1) return false;
-    const double factor =
-        std::clamp(std::sqrt(best.fit.weighted_misfit / best.fit.effective_rows), 0.5, 2.0);
-    if (std::abs(factor - 1.0) < 0.02) return false;
-    noise_.set_scale(std::clamp(noise_.scale() * factor, options_.smallest_noise_scale, 20.0));
-    return true;
+/// E[r^T R^-1 r] = trace(R C^-1) for r = R C^-1 e. Terraces are taken where the surfaces have come
+/// to. Returns whether sigma_n changed by more than 2 %.
+bool Search::update_noise(const ModulusMinimum& best, const State& state) {
+    double factor = 1;
+    if (options_.estimate_noise && best.fit.effective_rows >= 1) {
+        factor =
+            std::clamp(std::sqrt(best.fit.weighted_misfit / best.fit.effective_rows), 0.5, 2.0);
+    }
+    const bool changed = std::abs(factor - 1.0) >= 0.02;
+    const double scale = changed ? noise_.scale() * factor : noise_.scale();
+    noise_.update(std::clamp(scale, options_.smallest_noise_scale, 20.0), state.seen);
+    return changed;
 }
 
 void Search::record(int iteration, const State& state, const ModulusMinimum& best, double step) {
@@ -236,6 +240,9 @@ MapEstimate Search::run() {
     State state =
         settle_walls(recounted(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, all)));
 
+    noise_.update(noise_.scale(), state.seen);
+    state = recounted(state);
+
     Termination termination{
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
@@ -254,11 +261,13 @@ MapEstimate Search::run() {
         state = recounted(accelerated_step(state, best, acceleration, improved));
         record(k, state, best, moved);
         termination.iterations = k;
-        const bool noise_changed = k < options_.noise_iterations && update_noise(best);
-        if (noise_changed) {
-            acceleration.reset();
+        if (k < options_.noise_iterations) {
+            const bool changed = update_noise(best, state);
             state = recounted(state);
-            continue;
+            if (changed) {
+                acceleration.reset();
+                continue;
+            }
         }
         const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
         const double objective_changed =

@@ -34,21 +34,26 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
         LinearRow row;
         row.on_driven = seen.on_driven;
         row.position = seen.position;
-        row.terraces = seen.terraces;
         row.surface = seen.surface;
         row.place = seen.place;
-        row.range_mm = observations.terrace_range_mm();
+        row.range_mm = observations.voxel_terraces().range_mm();
         rows_.push_back(row);
     }
     for (auto& [surface, rows] : by_surface) groups_.push_back({std::move(rows), {}});
-    set_scale(1.0);
+    factorise();
 }
 
-void SurfaceNoise::set_scale(double scale) {
+void SurfaceNoise::update(double scale, const ObservedState& state) {
     scale_ = scale;
+    const std::vector<Terraces> terraces = observations_.terraces(state);
+    for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k].terraces = terraces[k];
+    factorise();
+}
+
+void SurfaceNoise::factorise() {
     sigma_mm_.resize(rows_.size());
     for (std::size_t k = 0; k < rows_.size(); ++k) {
-        rows_[k].independent_mm = scale * observations_.rows()[k].independent_mm;
+        rows_[k].independent_mm = scale_ * observations_.rows()[k].independent_mm;
         sigma_mm_[k] = std::sqrt(noise_variance(rows_[k]));
     }
     for (Group& group : groups_) {

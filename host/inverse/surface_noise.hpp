@@ -18,8 +18,9 @@ class SurfaceNoise {
 public:
     explicit SurfaceNoise(const SurfaceObservations& observations);
 
-    /// Factor on the independent part; terraces follow from the voxels alone. At first 1.
-    void set_scale(double scale);
+    /// `scale`: factor on the independent part, at first 1. Terraces follow from the voxels, for
+    /// the surfaces where `state` has them; at first there are none.
+    void update(double scale, const ObservedState& state);
     double scale() const { return scale_; }
     /// 1/2 z^T C^-1 z, z the residuals in standard deviations with outliers pulled in, C the
     /// correlation; over the rows in `counted`.
@@ -30,6 +31,8 @@ public:
     std::vector<LinearRow> linear_rows(const ObservedState& seen) const;
 
 private:
+    void factorise();
+
     /// Rows of one surface on nodes of one kind; others are independent of them.
     struct Group {
         std::vector<Index> rows;

@@ -9,9 +9,10 @@
 namespace palpate {
 namespace {
 
-VoxelPlanes voxel_planes(const LabelledState& state, const Mat3& to_reference) {
+VoxelPlanes voxel_planes(const LabelledState& state, const RigidTransform& to_reference) {
     const ImageGrid& grid = state.regions.grid;
-    return {to_reference * grid.direction, grid.spacing, state.field.smoothing_mm()};
+    return {to_reference.apply(grid.origin), to_reference.rotation * grid.direction, grid.spacing,
+            state.field.smoothing_mm()};
 }
 
 }  // namespace
@@ -46,10 +47,10 @@ ObservationOptions observation_options(const Settings& settings, const LabelledS
     ObservationOptions options;
     options.noise_mm = settings.prior.noise_voxels * voxel;
     options.independent_area_mm2 = 2.0 * voxel * voxel;
-    options.voxels = {voxel_planes(reference, Mat3::Identity())};
+    options.voxels = {voxel_planes(reference, {})};
     if (target.labels) {
-        options.voxels.push_back(voxel_planes(
-            *target.labels, target.alignment.reference_to_target.rotation.transpose()));
+        options.voxels.push_back(
+            voxel_planes(*target.labels, target.alignment.reference_to_target.inverse()));
     } else {
         // The setting is for two label volumes, which share its variance.
         options.noise_mm = std::hypot(options.noise_mm / std::numbers::sqrt2, target.noise_mm);
