@@ -46,11 +46,9 @@ VoxelTerraces::VoxelTerraces(std::vector<VoxelPlanes> volumes, double range_spac
         for (int a = 0; a < 3; ++a) {
             const double h = volumes_[v].spacing[a];
             const int own = static_cast<int>(3 * v) + a;
-            const int shared =
-                v == 0 ? -1 : matching_axis(volumes_[0], volumes_[v].axes.col(a), h);
+            const int shared = v == 0 ? -1 : matching_axis(volumes_[0], volumes_[v].axes.col(a), h);
             family_[v][a] = shared >= 0 ? shared : own;
-            direction_[v][a] =
-                shared >= 0 ? volumes_[0].axes.col(shared) : volumes_[v].axes.col(a);
+            direction_[v][a] = shared >= 0 ? volumes_[0].axes.col(shared) : volumes_[v].axes.col(a);
             range_mm_[own] = range_spacings * h;
         }
     }
@@ -62,14 +60,12 @@ Terraces VoxelTerraces::of_distance(const Vec3& reference, const Vec3& reference
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
         const VoxelPlanes& voxels = volumes_[v];
         const Vec3& place = v == 0 ? reference : target;
-        const Vec3 deviation =
-            voxels.terrace_deviation(v == 0 ? reference_normal : target_normal);
+        const Vec3 deviation = voxels.terrace_deviation(v == 0 ? reference_normal : target_normal);
         for (int a = 0; a < 3; ++a) {
             const double phase = 2.0 * std::numbers::pi *
                                  direction_[v][a].dot(place - voxels.origin) / voxels.spacing[a];
-            terraces.waves.col(family_[v][a]) +=
-                (v == 0 ? -1.0 : 1.0) * deviation[a] *
-                Eigen::Vector2d(std::cos(phase), std::sin(phase));
+            terraces.waves.col(family_[v][a]) += (v == 0 ? -1.0 : 1.0) * deviation[a] *
+                                                 Eigen::Vector2d(std::cos(phase), std::sin(phase));
         }
     }
     return terraces;

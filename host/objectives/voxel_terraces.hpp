@@ -35,8 +35,7 @@ constexpr int max_terraces = 6;
 /// The part of a distance's noise that it shares with its neighbours: for each family of voxel
 /// planes a wave along their normal, standard deviation (mm) times cosine and sine of the phase.
 struct Terraces {
-    Eigen::Matrix<double, 2, max_terraces> waves =
-        Eigen::Matrix<double, 2, max_terraces>::Zero();
+    Eigen::Matrix<double, 2, max_terraces> waves = Eigen::Matrix<double, 2, max_terraces>::Zero();
 
     double variance() const { return waves.squaredNorm(); }
 };
