@@ -44,8 +44,7 @@ TEST(VoxelTerraces, AreSmoothedAwayAcrossThePlanes) {
     double last = planes.terrace_deviation(up)[2];
     for (const double degrees : {15.0, 30.0, 45.0, 60.0, 75.0}) {
         const double angle = degrees * std::acos(-1.0) / 180;
-        const double here =
-            planes.terrace_deviation(Vec3(std::sin(angle), 0, std::cos(angle)))[2];
+        const double here = planes.terrace_deviation(Vec3(std::sin(angle), 0, std::cos(angle)))[2];
         EXPECT_LT(here, last);
         last = here;
     }
