@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <fstream>
 #include <string>
 
 #include "solver/base/error.hpp"
@@ -36,6 +37,15 @@ PrivateFolder::PrivateFolder() {
 PrivateFolder::~PrivateFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
+}
+
+std::optional<std::string> why_unreadable(const std::filesystem::path& path) {
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return "there is no such file";
+    if (!std::filesystem::is_regular_file(path, error)) return "it is not a file";
+    if (std::filesystem::file_size(path, error) == 0) return "it is empty";
+    if (!std::ifstream(path, std::ios::binary)) return "it may not be read";
+    return std::nullopt;
 }
 
 void write_atomically(const std::filesystem::path& path,

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 namespace palpate {
 
@@ -20,6 +22,10 @@ public:
 private:
     std::filesystem::path path_;
 };
+
+/// Why a file cannot be read, in words, or nothing if it can: missing, no file, empty, no
+/// permission.
+std::optional<std::string> why_unreadable(const std::filesystem::path& path);
 
 /// Lets `write` write a temporary file in the folder of `path` (same ending), makes it durable and
 /// gives it its final name: a reader never sees half a file.

@@ -18,7 +18,8 @@ namespace palpate {
 /// taken out (`smooth_without_shrinking`), sampled on the voxel grid, and interpolated by cubic
 /// B-splines. Beyond the image the border slices continue outward: an organ that the field of view
 /// cuts keeps running straight, so that its surface has no false end. Memory: 4 bytes per voxel of
-/// each region's box with 10 mm around. Const calls are thread safe.
+/// each region's box with 10 mm around, and one per voxel of the image. Const calls are thread
+/// safe.
 class LabelField {
 public:
     /// `smoothing_mm` is the Gaussian standard deviation; 0 chooses 0.9 x the geometric mean

@@ -26,7 +26,8 @@ struct MapOptions {
     double start_kpa = 0;                          ///< of all unknown moduli; 0: the prior's median
     bool estimate_noise = true;         ///< scale sigma_n to what the observed surface shows
     double smallest_noise_scale = 0.3;  ///< lower for surfaces without voxels
-    int noise_iterations = 6;  ///< sigma_n is held from here on, so that the steps can settle
+    /// sigma_n and the terraces are held from here on, so that the steps can settle.
+    int noise_iterations = 6;
 };
 
 struct MapEstimate {

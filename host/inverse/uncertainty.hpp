@@ -53,9 +53,9 @@ std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen:
                                   const ModulusBounds& bounds);
 
 /// Standard deviation of ln E that the model itself adds: linear tetrahedra of the default size and
-/// surfaces drawn from voxels. Set on 76 phantoms of 1 and 3 mm slices (truth on 30,000 nodes;
-/// seeds 5001 to 5008 and 7001 to 7060), where 0.07 let 88 % of the 95 % intervals hold the truth;
-/// checked on others by `palpate study coverage`.
+/// surfaces drawn from voxels. Set on phantoms with 1 mm voxels and truth on 30,000 nodes (seeds
+/// 7001 to 7060), where 0.07 let 53 of 60 of the 95 % intervals hold the truth; checked on others
+/// by `palpate study coverage`. For slices of 3 mm it is still too small.
 constexpr double model_sd_ln = 0.10;
 
 /// The interval with the model's own uncertainty added in quadrature on either side of ln E.

@@ -16,6 +16,7 @@
 #include <fstream>
 #include <type_traits>
 
+#include "host/imaging/files.hpp"
 #include "host/meshing/io.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
@@ -33,14 +34,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void unusable(const fs::path& path, const std::string& why) {
     throw Error(ErrorCode::input_unusable,
                 "the mesh '" + path.string() + "' cannot be used: " + why);
-}
-
-void check_file(const fs::path& path) {
-    std::error_code error;
-    if (!fs::exists(path, error)) unreadable(path, "there is no such file");
-    if (!fs::is_regular_file(path, error)) unreadable(path, "it is not a file");
-    if (fs::file_size(path, error) == 0) unreadable(path, "it is empty");
-    if (!std::ifstream(path, std::ios::binary)) unreadable(path, "it may not be read");
 }
 
 template <typename Reader>
@@ -66,7 +59,7 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> read_grid(const fs::path& path) {
-    check_file(path);
+    if (const auto why = why_unreadable(path)) unreadable(path, *why);
     const std::string extension = path.extension().string();
     if (extension == ".vtu") return run_reader<vtkXMLUnstructuredGridReader>(path);
     if (extension == ".vtk") return run_reader<vtkUnstructuredGridReader>(path);

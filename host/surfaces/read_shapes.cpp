@@ -25,6 +25,7 @@
 #include <optional>
 #include <string>
 
+#include "host/imaging/files.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
@@ -43,14 +44,6 @@ constexpr std::size_t least_points = 8;
 [[noreturn]] void unusable(const fs::path& path, const std::string& why) {
     throw Error(ErrorCode::input_unusable,
                 fmt::format("the target '{}' cannot be used: {}", path.string(), why));
-}
-
-void check_file(const fs::path& path) {
-    std::error_code error;
-    if (!fs::exists(path, error)) unreadable(path, "there is no such file");
-    if (!fs::is_regular_file(path, error)) unreadable(path, "it is not a file");
-    if (fs::file_size(path, error) == 0) unreadable(path, "it is empty");
-    if (!std::ifstream(path, std::ios::binary)) unreadable(path, "it may not be read");
 }
 
 std::string ending_of(const fs::path& path) {
@@ -177,7 +170,7 @@ std::vector<Triangle> triangles_of(vtkPolyData& data, const std::vector<Vec3>& p
 }  // namespace
 
 std::vector<Vec3> read_points(const fs::path& path, Frame frame) {
-    check_file(path);
+    if (const auto why = why_unreadable(path)) unreadable(path, *why);
     const std::string ending = ending_of(path);
     const bool is_text = ending == ".csv" || ending == ".txt" || ending == ".xyz";
     std::vector<Vec3> points;
@@ -198,7 +191,7 @@ std::vector<Vec3> read_points(const fs::path& path, Frame frame) {
 }
 
 Surface read_surface(const fs::path& path, Frame frame) {
-    check_file(path);
+    if (const auto why = why_unreadable(path)) unreadable(path, *why);
     const std::string ending = ending_of(path);
     PolyData data = read_polydata(path, ending);
     if (ending == ".stl") data = run_reader<vtkSTLReader>(path);
