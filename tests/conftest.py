@@ -31,3 +31,13 @@ def recover_arguments(phantom, out, *more, reference=None, target=None, config=N
     return ["recover", reference or phantom / "reference.nii.gz",
             target or phantom / "target.nii.gz", "--config", config or phantom / "organs.toml",
             "--out", out, "--nodes", 2500, "--quiet", *more]
+
+
+def with_unknown_ratio(phantom, folder):
+    """The phantom's settings with the prostate's Poisson's ratio unknown; the file."""
+    config = folder / "unknown_ratio.toml"
+    before, prostate = (phantom / "organs.toml").read_text().split('stiffness_kpa = "unknown"', 1)
+    assert "poisson_ratio = 0.4\n" in prostate
+    config.write_text(before + 'stiffness_kpa = "unknown"' +
+                      prostate.replace("poisson_ratio = 0.4\n", 'poisson_ratio = "unknown"\n', 1))
+    return config

@@ -65,6 +65,16 @@ std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa,
             std::max(interval_kpa[1], median_kpa * spread)};
 }
 
+Verdict judge_ratio(const std::array<double, 2>& interval, const std::array<double, 2>& allowed) {
+    const double share = (interval[1] - interval[0]) / (allowed[1] - allowed[0]);
+    const std::string verdict = share <= 1.0 / 3.0   ? "recovered"
+                                : share <= 2.0 / 3.0 ? "weak"
+                                                     : "not identifiable";
+    return {verdict, fmt::format("the 95 % interval takes {:.0f} % of the range that was allowed, "
+                                 "{:.3g} to {:.3g}",
+                                 100 * share, allowed[0], allowed[1])};
+}
+
 Verdict judge_unobserved(bool surface_is_driven) {
     if (surface_is_driven) {
         return {"not identifiable",

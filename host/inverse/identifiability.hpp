@@ -33,6 +33,10 @@ Verdict judge(const ModulusEvidence& evidence);
 std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
                                       double prior_sd_ln);
 
+/// A Poisson's ratio is *recovered* if its 95 % interval is at most a third as wide as the range
+/// that was allowed, *not identifiable* if it is wider than two thirds, *weak* between.
+Verdict judge_ratio(const std::array<double, 2>& interval, const std::array<double, 2>& allowed);
+
 /// For a region that no observed surface touches: its modulus has no influence on the data.
 Verdict judge_unobserved(bool surface_is_driven);
 

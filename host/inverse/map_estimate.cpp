@@ -60,8 +60,10 @@ public:
           bounds_{std::log(options.smallest_kpa), std::log(options.largest_kpa)} {}
 
     MapEstimate run();
+    MapEstimate run_from(const MapEstimate& earlier);
 
 private:
+    MapEstimate iterate(State state);
     State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
                    const Counted& counted) const;
     double objective_of(const State& state, const Counted& counted) const;
@@ -84,6 +86,8 @@ private:
     const WallPrior& walls_;
     const SurfaceObservations& observations_;
     SurfaceNoise noise_;
+    bool is_noise_held_ = false;
+    bool is_near_ = false;  ///< the search starts near the minimum: no scan
     const std::vector<ModulusPrior>& priors_;
     const MapOptions& options_;
     const ProgressSink& progress_;
@@ -241,8 +245,17 @@ MapEstimate Search::run() {
         settle_walls(recounted(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, all)));
 
     noise_.update(noise_.scale(), state.seen);
-    state = recounted(state);
+    return iterate(recounted(state));
+}
 
+MapEstimate Search::run_from(const MapEstimate& earlier) {
+    noise_ = *earlier.noise;
+    is_noise_held_ = is_near_ = true;
+    const Counted all(observations_.num_rows(), 1);
+    return iterate(recounted(state_at(earlier.driven, earlier.theta, all)));
+}
+
+MapEstimate Search::iterate(State state) {
     Termination termination{
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
@@ -251,7 +264,7 @@ MapEstimate Search::run() {
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
-            k == 1 ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
+            k == 1 && !is_near_ ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
         if (k == 1) state = recounted(state_at(state.driven, start, state.seen.seen));
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
@@ -261,7 +274,7 @@ MapEstimate Search::run() {
         state = recounted(accelerated_step(state, best, acceleration, improved));
         record(k, state, best, moved);
         termination.iterations = k;
-        if (k < options_.noise_iterations) {
+        if (k < options_.noise_iterations && !is_noise_held_) {
             const bool changed = update_noise(best, state);
             state = recounted(state);
             if (changed) {
@@ -302,10 +315,13 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.unknown = priors_;
     estimate.theta = state.theta;
     estimate.noise_scale = noise_.scale();
+    estimate.noise = std::make_shared<SurfaceNoise>(noise_);
     estimate.records = records_;
     estimate.termination = termination;
     estimate.posterior = std::make_shared<LinearisedProblem>(linearise(state));
     const LinearisedProblem& problem = *estimate.posterior;
+    estimate.objective =
+        state.objective + 0.5 * problem.evaluate(state.theta, false).log_determinant;
     estimate.covariance = laplace_covariance(problem, state.theta);
     const Eigen::MatrixXd information = problem.seen_information(state.theta);
     estimate.seen_sd_ln = seen_sd_ln(information, priors_);
@@ -327,6 +343,13 @@ MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const std::vector<ModulusPrior>& priors, const MapOptions& options,
                          const ProgressSink& progress) {
     return Search(model, walls, observations, priors, options, progress).run();
+}
+
+MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& model,
+                              const WallPrior& walls, const SurfaceObservations& observations,
+                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const ProgressSink& progress) {
+    return Search(model, walls, observations, priors, options, progress).run_from(earlier);
 }
 
 }  // namespace palpate

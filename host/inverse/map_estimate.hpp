@@ -9,6 +9,7 @@
 
 #include "host/inverse/marginal.hpp"
 #include "host/inverse/records.hpp"
+#include "host/inverse/surface_noise.hpp"
 #include "host/inverse/uncertainty.hpp"
 #include "host/objectives/surface_observations.hpp"
 #include "solver/base/log.hpp"
@@ -44,7 +45,11 @@ struct MapEstimate {
     /// The problem linearised at the estimate, for the uncertainty of whatever follows from the
     /// wall motion; valid as long as the response model and the walls' prior are.
     std::shared_ptr<const LinearisedProblem> posterior;
-    double noise_scale = 1;  ///< factor on sigma_n that the data asked for
+    double noise_scale = 1;                     ///< factor on sigma_n that the data asked for
+    std::shared_ptr<const SurfaceNoise> noise;  ///< as it was in the end; valid as the observations
+    /// Minus the log posterior at the estimate, the wall motion integrated out, up to a constant
+    /// that models with the same observations and noise share.
+    double objective = 0;
     std::vector<IterationRecord> records;
     Termination termination;
 };
@@ -57,5 +62,12 @@ MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const SurfaceObservations& observations,
                          const std::vector<ModulusPrior>& priors, const MapOptions& options,
                          const ProgressSink& progress = {});
+
+/// The same, started at an earlier estimate from the same observations with another model, whose
+/// noise is held: the objectives of the two can be compared.
+MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& model,
+                              const WallPrior& walls, const SurfaceObservations& observations,
+                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const ProgressSink& progress = {});
 
 }  // namespace palpate

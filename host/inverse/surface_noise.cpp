@@ -26,7 +26,7 @@ double inflation(double z) { return std::sqrt(std::max(1.0, std::abs(z) / robust
 
 }  // namespace
 
-SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observations_(observations) {
+SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observations_(&observations) {
     std::map<std::pair<Index, bool>, std::vector<Index>> by_surface;
     for (Index k = 0; k < observations.num_rows(); ++k) {
         const Observation& seen = observations.rows()[k];
@@ -45,7 +45,7 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
 
 void SurfaceNoise::update(double scale, const ObservedState& state) {
     scale_ = scale;
-    const std::vector<Terraces> terraces = observations_.terraces(state);
+    const std::vector<Terraces> terraces = observations_->terraces(state);
     for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k].terraces = terraces[k];
     factorise();
 }
@@ -53,7 +53,7 @@ void SurfaceNoise::update(double scale, const ObservedState& state) {
 void SurfaceNoise::factorise() {
     sigma_mm_.resize(rows_.size());
     for (std::size_t k = 0; k < rows_.size(); ++k) {
-        rows_[k].independent_mm = scale_ * observations_.rows()[k].independent_mm;
+        rows_[k].independent_mm = scale_ * observations_->rows()[k].independent_mm;
         sigma_mm_[k] = std::sqrt(noise_variance(rows_[k]));
     }
     for (Group& group : groups_) {

@@ -39,7 +39,7 @@ private:
         Eigen::LLT<Eigen::MatrixXd> correlation;
     };
 
-    const SurfaceObservations& observations_;
+    const SurfaceObservations* observations_;
     double scale_ = 1.0;
     std::vector<LinearRow> rows_;  ///< without normals and residuals
     std::vector<double> sigma_mm_;

@@ -101,11 +101,15 @@ std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen:
     return {std::min(misfit[1], misfit[2]) > allowed, std::min(misfit[3], misfit[4]) > allowed};
 }
 
-std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa) {
-    const double model = 1.96 * model_sd_ln;
-    const double below = std::hypot(std::log(best_kpa / interval_kpa[0]), model);
-    const double above = std::hypot(std::log(interval_kpa[1] / best_kpa), model);
+std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa, double best_kpa,
+                                      double sd_ln) {
+    const double below = std::hypot(std::log(best_kpa / interval_kpa[0]), 1.96 * sd_ln);
+    const double above = std::hypot(std::log(interval_kpa[1] / best_kpa), 1.96 * sd_ln);
     return {best_kpa * std::exp(-below), best_kpa * std::exp(above)};
+}
+
+std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa) {
+    return with_further_sd(interval_kpa, best_kpa, model_sd_ln);
 }
 
 }  // namespace palpate

@@ -54,11 +54,17 @@ std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen:
 
 /// Standard deviation of ln E that the model itself adds: linear tetrahedra of the default size and
 /// surfaces drawn from voxels. Set on phantoms with 1 mm voxels and truth on 30,000 nodes (seeds
-/// 7001 to 7060), where 0.07 let 53 of 60 of the 95 % intervals hold the truth; checked on others
-/// by `palpate study coverage`. For slices of 3 mm it is still too small.
+/// 7001 to 7060), where 0.07 let 53 of 60 of the 95 % intervals hold the truth. Checked by `palpate
+/// study coverage` on others: 60 of 60 hold with 1 mm voxels (from 9101), 56 of 60 with slices of 3
+/// mm (from 9001).
 constexpr double model_sd_ln = 0.10;
 
-/// The interval with the model's own uncertainty added in quadrature on either side of ln E.
+/// The interval with a further, independent standard deviation of ln E added in quadrature on
+/// either side.
+std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa, double best_kpa,
+                                      double sd_ln);
+
+/// The same with the model's own uncertainty.
 std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa);
 
 }  // namespace palpate

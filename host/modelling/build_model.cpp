@@ -158,11 +158,14 @@ RecoveryModel build_model(const RegionMesh& mesh, const Settings& settings) {
         }
     }
     recovery.surfaces = observed_surfaces(mesh, settings);
+    if (settings.background && settings.background->poisson_unknown) {
+        recovery.unknown_ratio.push_back(background_region);
+    }
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         const auto& organ = settings.organs[k];
-        if (!organ.hollow && !organ.stiffness_kpa) {
-            recovery.unknown.push_back(first_organ_region + static_cast<Index>(k));
-        }
+        const Index region = first_organ_region + static_cast<Index>(k);
+        if (!organ.hollow && !organ.stiffness_kpa) recovery.unknown.push_back(region);
+        if (!organ.hollow && organ.poisson_unknown) recovery.unknown_ratio.push_back(region);
     }
     check_something_observed(recovery);
     check_supported(recovery, settings);

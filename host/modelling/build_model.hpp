@@ -26,6 +26,7 @@ struct RecoveryModel {
     std::vector<Index> observed;  ///< free nodes on tissue surfaces, ascending
     std::vector<ObservedSurface> surfaces;  ///< of tissue and driven organs, in settings order
     std::vector<Index> unknown;             ///< regions whose modulus is unknown, ascending
+    std::vector<Index> unknown_ratio;       ///< regions whose Poisson's ratio is, ascending
 };
 
 /// Node sets (method.md section 1). Where several apply: fixed organ before driven organ before

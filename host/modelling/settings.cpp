@@ -19,7 +19,20 @@ constexpr std::size_t longest_name = 64;
 constexpr int largest_label = 65535;
 constexpr NumberRange stiffness_range{0, 1e6, true};
 constexpr NumberRange poisson_range{0, 0.499};
+constexpr double narrowest_poisson_range = 0.02;
 const std::string stiffness_choice = "\"unknown\" or a number greater than 0, in kPa";
+
+/// A number, or "unknown".
+template <typename Material>
+void read_poisson_ratio(const SettingsTable& table, Material& material) {
+    material.poisson_unknown = table.is_text("poisson_ratio", "unknown");
+    if (material.poisson_unknown || !table.has("poisson_ratio")) return;
+    try {
+        material.poisson_ratio = *table.number("poisson_ratio", poisson_range);
+    } catch (const Error&) {
+        table.refuse("poisson_ratio", "allowed: \"unknown\" or a number from 0 to 0.499");
+    }
+}
 
 Index read_label(const SettingsTable& table) {
     const auto label = table.whole_number("label", 1, largest_label);
@@ -74,8 +87,7 @@ void read_material(const SettingsTable& table, OrganSettings& organ) {
             table.refuse("stiffness_kpa", "allowed: " + stiffness_choice + ", at most 1e6");
         }
     }
-    organ.poisson_ratio =
-        table.number("poisson_ratio", poisson_range).value_or(organ.poisson_ratio);
+    read_poisson_ratio(table, organ);
 }
 
 OrganSettings read_organ(SettingsTable table) {
@@ -96,8 +108,7 @@ BackgroundSettings read_background(const SettingsTable& table) {
     if (const auto label = table.whole_number("label", 0, largest_label)) result.label = *label;
     result.stiffness_kpa =
         table.number("stiffness_kpa", stiffness_range).value_or(result.stiffness_kpa);
-    result.poisson_ratio =
-        table.number("poisson_ratio", poisson_range).value_or(result.poisson_ratio);
+    read_poisson_ratio(table, result);
     const auto outer = table.choice("outer_boundary", {"fixed", "free"});
     result.outer_boundary_fixed = outer.value_or("fixed") == "fixed";
     return result;
@@ -105,7 +116,8 @@ BackgroundSettings read_background(const SettingsTable& table) {
 
 PriorSettings read_prior(const SettingsTable& table) {
     table.allow_keys({"noise_voxels", "displacement_sd_mm", "displacement_range_mm",
-                      "stiffness_median_ratio", "stiffness_sd_ln"});
+                      "stiffness_median_ratio", "stiffness_sd_ln", "poisson_lowest",
+                      "poisson_highest"});
     PriorSettings p;
     const auto read = [&](const char* key, NumberRange range, double& field) {
         field = table.number(key, range).value_or(field);
@@ -115,6 +127,11 @@ PriorSettings read_prior(const SettingsTable& table) {
     read("displacement_range_mm", {0, 10000, true}, p.displacement_range_mm);
     read("stiffness_median_ratio", {1e-4, 1e4}, p.stiffness_median_ratio);
     read("stiffness_sd_ln", {0.01, 10}, p.stiffness_sd_ln);
+    read("poisson_lowest", poisson_range, p.poisson_lowest);
+    read("poisson_highest", poisson_range, p.poisson_highest);
+    if (p.poisson_highest - p.poisson_lowest < narrowest_poisson_range)
+        table.refuse("poisson_highest", fmt::format("allowed: at least {} more than poisson_lowest",
+                                                    narrowest_poisson_range));
     return p;
 }
 
@@ -167,6 +184,11 @@ std::string number_text(double value) {
     return text;
 }
 
+template <typename Material>
+std::string poisson_text(const Material& material) {
+    return material.poisson_unknown ? "\"unknown\"" : number_text(material.poisson_ratio);
+}
+
 std::string organ_toml(const OrganSettings& organ) {
     std::string out = fmt::format("\n[[organ]]\nname = {}\nlabel = {}\nrole = \"{}\"\n",
                                   quoted(organ.name), organ.label, name_of(organ.role));
@@ -174,15 +196,14 @@ std::string organ_toml(const OrganSettings& organ) {
     if (organ.hollow) return out;
     out += "stiffness_kpa = ";
     out += organ.stiffness_kpa ? number_text(*organ.stiffness_kpa) : "\"unknown\"";
-    return out + fmt::format("\npoisson_ratio = {}\n", number_text(organ.poisson_ratio));
+    return out + fmt::format("\npoisson_ratio = {}\n", poisson_text(organ));
 }
 
 std::string background_toml(const BackgroundSettings& background) {
     std::string out = "[background]\n";
     if (background.label) out += fmt::format("label = {}\n", *background.label);
     return out + fmt::format("stiffness_kpa = {}\npoisson_ratio = {}\nouter_boundary = \"{}\"\n",
-                             number_text(background.stiffness_kpa),
-                             number_text(background.poisson_ratio),
+                             number_text(background.stiffness_kpa), poisson_text(background),
                              background.outer_boundary_fixed ? "fixed" : "free");
 }
 
@@ -190,10 +211,11 @@ std::string prior_toml(const PriorSettings& p) {
     return fmt::format(
         "\n[prior]\nnoise_voxels = {}\ndisplacement_sd_mm = {}\n"
         "displacement_range_mm = {}\nstiffness_median_ratio = {}\n"
-        "stiffness_sd_ln = {}\n",
+        "stiffness_sd_ln = {}\npoisson_lowest = {}\npoisson_highest = {}\n",
         number_text(p.noise_voxels), number_text(p.displacement_sd_mm),
         number_text(p.displacement_range_mm), number_text(p.stiffness_median_ratio),
-        number_text(p.stiffness_sd_ln));
+        number_text(p.stiffness_sd_ln), number_text(p.poisson_lowest),
+        number_text(p.poisson_highest));
 }
 
 }  // namespace
@@ -208,6 +230,12 @@ const char* name_of(Role role) {
             return "fixed";
     }
     return "tissue";
+}
+
+bool Settings::has_unknown_poisson_ratio() const {
+    return (background && background->poisson_unknown) ||
+           std::any_of(organs.begin(), organs.end(),
+                       [](const auto& organ) { return organ.poisson_unknown; });
 }
 
 Settings parse_settings(const std::string& toml, const std::string& source_name) {

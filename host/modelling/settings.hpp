@@ -25,13 +25,15 @@ struct OrganSettings {
     Role role = Role::tissue;
     bool hollow = false;                  ///< default: true for driven and fixed
     std::optional<double> stiffness_kpa;  ///< empty: unknown
-    double poisson_ratio = 0.40;
+    double poisson_ratio = 0.40;          ///< if it is unknown, where its search starts
+    bool poisson_unknown = false;
 };
 
 struct BackgroundSettings {
     std::optional<Index> label;  ///< empty: everything that is no organ
     double stiffness_kpa = 10.0;
     double poisson_ratio = 0.35;
+    bool poisson_unknown = false;
     bool outer_boundary_fixed = true;
 };
 
@@ -42,6 +44,8 @@ struct PriorSettings {
     double displacement_range_mm = 40.0;   ///< distance at which its correlation has dropped to 0.1
     double stiffness_median_ratio = 10.0;  ///< prior median of unknown moduli over the reference
     double stiffness_sd_ln = 1.2;          ///< sigma_theta: sd of ln E
+    /// Unknown Poisson's ratios are equally likely between these two.
+    double poisson_lowest = 0.25, poisson_highest = 0.49;
 };
 
 struct Settings {
@@ -50,6 +54,7 @@ struct Settings {
     PriorSettings prior;
 
     Index num_regions() const { return 2 + static_cast<Index>(organs.size()); }
+    bool has_unknown_poisson_ratio() const;
 };
 
 /// Reads TOML. Throws Error(input_unreadable) (missing or not TOML, with line) and

@@ -130,9 +130,38 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     result.reason = verdict.reason;
 }
 
+bool is_ratio_unknown(const Settings& settings, Index region) {
+    if (region == background_region) return settings.background->poisson_unknown;
+    return settings.organs[region - first_organ_region].poisson_unknown;
+}
+
+/// Everything that was allowed, for a region whose ratio moves nothing that is seen.
+RatioResult unseen_ratio(const PriorSettings& prior) {
+    return {{prior.poisson_lowest, prior.poisson_highest},
+            "not identifiable",
+            "the ratio has no influence on the surfaces that were seen"};
+}
+
+void describe_ratio(const Recovered& found, const Settings& settings, RegionResult& result) {
+    if (result.hollow || !is_ratio_unknown(settings, result.region)) return;
+    result.poisson_ratio = found.recovery.model.materials[result.region].poisson_ratio;
+    result.ratio = unseen_ratio(settings.prior);
+    const auto& regions = found.poisson->regions;
+    const auto place = std::find(regions.begin(), regions.end(), result.region);
+    if (place == regions.end()) return;
+    const std::array<double, 2> allowed = result.ratio->interval;
+    const auto interval = with_ratio_model_error(
+        found.poisson->ratios.interval[place - regions.begin()], result.poisson_ratio, allowed);
+    const Verdict verdict = judge_ratio(interval, allowed);
+    result.ratio = {interval, verdict.verdict, verdict.reason};
+}
+
 std::vector<RegionResult> region_results(const Recovered& found, const Settings& settings) {
     std::vector<RegionResult> results;
-    if (settings.background) results.push_back(background_result(settings));
+    if (settings.background) {
+        results.push_back(background_result(settings));
+        describe_ratio(found, settings, results.back());
+    }
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         const auto& organ = settings.organs[k];
         RegionResult result;
@@ -153,6 +182,7 @@ std::vector<RegionResult> region_results(const Recovered& found, const Settings&
         } else {
             describe_unknown(found, settings, result);
         }
+        describe_ratio(found, settings, result);
         results.push_back(std::move(result));
     }
     return results;

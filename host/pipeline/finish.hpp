@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/build_model.hpp"
 #include "host/pipeline/full_solver.hpp"
+#include "host/pipeline/poisson_ratios.hpp"
 #include "host/pipeline/states.hpp"
 #include "host/result/recovery_result.hpp"
 #include "host/surfaces/target_shape.hpp"
@@ -24,6 +26,7 @@ struct Recovered {
     RecoveryModel recovery;
     std::vector<std::shared_ptr<const TargetShape>> target;  ///< as in ObservedShapes
     MapEstimate estimate;
+    std::optional<PoissonEstimate> poisson;  ///< if a ratio was unknown
     // Filled by `solve_full_model`:
     Eigen::VectorXd displacement;    ///< [3 num_nodes] mm
     Eigen::VectorXd force;           ///< [3 num_nodes] mN, reactions at prescribed nodes

@@ -153,6 +153,14 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
                   const SurfaceObservations& observations, const RecoverOptions& options,
                   StageTimer& timer, const ProgressSink& progress) {
     timer.start("searching");
+    if (!mechanics.recovery.unknown_ratio.empty()) {
+        found.poisson = search_poisson_ratios(mechanics, observations, options, progress);
+        found.estimate = found.poisson->estimate;
+        found.recovery = found.poisson->mechanics->recovery;
+        timer.start("solving");
+        return solve_full_model(found, *start_full_solver(found.recovery, options.solver),
+                                progress);
+    }
     found.estimate = options.method == SearchMethod::nested_lbfgs
                          ? nested_estimate(found.recovery, observations, options, progress)
                          : map_estimate(mechanics.response, mechanics.walls, observations,

@@ -10,6 +10,7 @@
 
 #include "host/imaging/io.hpp"
 #include "host/pipeline/partial_target.hpp"
+#include "host/pipeline/poisson_ratios.hpp"
 #include "host/pipeline/prepared.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
 
@@ -145,6 +146,7 @@ Segmentation read_segmentation(const std::filesystem::path& path) {
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
                  const RecoverOptions& options, const ResultSink& sink,
                  const ProgressSink& progress, const FailureSink& failed) {
+    check_unknown_ratios(options);
     StageTimer timer;
     timer.start("reading");
     std::optional<SavedReference> saved = read_saved(options, progress);
@@ -166,6 +168,7 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
 
 RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
                        const RecoverOptions& options, const ProgressSink& progress) {
+    check_unknown_ratios(options);
     check_partial_target(target, options);
     StageTimer timer;
     timer.start("reading");

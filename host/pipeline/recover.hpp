@@ -77,7 +77,8 @@ using ResultSink =
 using FailureSink = std::function<void(std::size_t target, const Error& error)>;
 
 /// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section
-/// 1). Throws Error with the codes of each station; not converging is reported in the result.
+/// 1). Throws Error with the codes of each station, Error(invalid_argument) for options that do not
+/// go together; not converging is reported in the result.
 RecoveryResult recover(const Segmentation& reference, const Segmentation& target,
                        const RecoverOptions& options, const ProgressSink& progress = {});
 

@@ -79,6 +79,16 @@ std::string finding_sentence(const RecoveryResult& result, const RegionResult& r
     return text + fmt::format(". Verdict: {}.{}", r.verdict, as_sentence(r.reason));
 }
 
+std::string ratio_sentence(const RegionResult& r) {
+    if (r.ratio->verdict == "not identifiable")
+        return fmt::format("Poisson's ratio of {} cannot be told from these images.{}", r.name,
+                           as_sentence(r.ratio->reason));
+    return fmt::format("Poisson's ratio of {}: {} ({} to {}). Verdict: {}.{}", r.name,
+                       decimals(r.poisson_ratio, 2), decimals(r.ratio->interval[0], 2),
+                       decimals(r.ratio->interval[1], 2), r.ratio->verdict,
+                       as_sentence(r.ratio->reason));
+}
+
 std::string surfaces_sentence(const RecoveryResult& result) {
     double before = 0, after = 0;
     int count = 0;
@@ -131,6 +141,8 @@ std::vector<std::string> summary_sentences(const RecoveryResult& result) {
     std::vector<std::string> list;
     for (const RegionResult& r : result.regions)
         if (r.unknown) list.push_back(finding_sentence(result, r));
+    for (const RegionResult& r : result.regions)
+        if (r.ratio) list.push_back(ratio_sentence(r));
     if (const std::string text = surfaces_sentence(result); !text.empty()) list.push_back(text);
     if (const std::string text = seen_sentence(result); !text.empty()) list.push_back(text);
     list.push_back(termination_sentence(result));

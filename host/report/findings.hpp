@@ -26,6 +26,8 @@ const RegionResult* reference_tissue(const RecoveryResult& result);
 
 /// What was found about one unknown modulus, in one or two sentences.
 std::string finding_sentence(const RecoveryResult& result, const RegionResult& region);
+/// What was found about one Poisson's ratio that was searched.
+std::string ratio_sentence(const RegionResult& region);
 /// How well the surfaces agree, in one sentence; empty without observed surfaces.
 std::string surfaces_sentence(const RecoveryResult& result);
 /// How much of each organ's surface carried data; empty where the target has labels.

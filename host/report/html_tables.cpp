@@ -31,6 +31,10 @@ std::string interval_text(const RegionResult& r) {
     return significant(r.interval_kpa[0]) + " – " + significant(r.interval_kpa[1]);
 }
 
+std::string ratio_interval_text(const RatioResult& ratio) {
+    return decimals(ratio.interval[0], 2) + " – " + decimals(ratio.interval[1], 2);
+}
+
 std::string ratio_text(const RecoveryResult& result, const RegionResult& r) {
     const RegionResult* known = reference_tissue(result);
     if (!known) return "";
@@ -50,6 +54,25 @@ std::string finding_card(const RecoveryResult& result, const RegionResult& r) {
                         significant(r.stiffness_kpa), interval_text(r), ratio_text(result, r));
     return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", chip(r.verdict),
                              escape_html(r.reason));
+}
+
+std::string ratio_card(const RecoveryResult& result, const RegionResult& r) {
+    std::string out =
+        fmt::format("<article class='finding' style='--organ:{}'><h3>{}, Poisson's ratio</h3>",
+                    region_colour(result, r.region), escape_html(r.name));
+    if (r.ratio->verdict == "not identifiable")
+        out += "<p class='value'>–</p>";
+    else
+        out += fmt::format("<p class='value'>{}</p><p>95 % interval {}</p>",
+                           decimals(r.poisson_ratio, 2), ratio_interval_text(*r.ratio));
+    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", chip(r.ratio->verdict),
+                             escape_html(r.ratio->reason));
+}
+
+std::string ratio_cell(const RegionResult& r) {
+    if (r.hollow) return "–";
+    const std::string value = decimals(r.poisson_ratio, 2);
+    return r.ratio ? value + " (" + ratio_interval_text(*r.ratio) + ")" : value;
 }
 
 std::string before_after_cells(double before, double after, int digits) {
@@ -136,6 +159,8 @@ std::string findings_html(const RecoveryResult& result) {
     std::string out;
     for (const RegionResult& r : result.regions)
         if (r.unknown) out += finding_card(result, r);
+    for (const RegionResult& r : result.regions)
+        if (r.ratio) out += ratio_card(result, r);
     return out;
 }
 
@@ -164,7 +189,7 @@ std::string regions_table_html(const RecoveryResult& result) {
             swatch(result, r.region), escape_html(r.name), r.label,
             escape_html(r.role + (r.hollow ? ", hollow" : "")),
             r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_text(r) : "–",
-            r.hollow ? "–" : decimals(r.poisson_ratio, 2), chip(r.verdict));
+            ratio_cell(r), chip(r.verdict));
     return out + "</tbody></table></div>";
 }
 

@@ -22,6 +22,13 @@ Json numbers(const std::vector<double>& values) {
 
 Json vector3(const Vec3& v) { return Json{number(v.x()), number(v.y()), number(v.z())}; }
 
+Json searched_ratio_json(const RegionResult& r) {
+    if (!r.ratio) return nullptr;
+    return {{"interval", {number(r.ratio->interval[0]), number(r.ratio->interval[1])}},
+            {"verdict", r.ratio->verdict},
+            {"reason", r.ratio->reason}};
+}
+
 Json region_json(const RegionResult& r) {
     const auto of_solid = [&](double value) { return r.hollow ? Json(nullptr) : number(value); };
     return {{"name", r.name},
@@ -33,6 +40,7 @@ Json region_json(const RegionResult& r) {
             {"interval_kpa", {of_solid(r.interval_kpa[0]), of_solid(r.interval_kpa[1])}},
             {"sd_ln_stiffness", of_solid(r.sd_ln)},
             {"poisson_ratio", of_solid(r.poisson_ratio)},
+            {"searched_poisson_ratio", searched_ratio_json(r)},
             {"verdict", r.verdict},
             {"reason", r.reason}};
 }
@@ -159,14 +167,14 @@ Json organ_json(const OrganSettings& o) {
         {"name", o.name}, {"label", o.label}, {"role", name_of(o.role)}, {"hollow", o.hollow}};
     if (o.hollow) return json;
     json["stiffness_kpa"] = o.stiffness_kpa ? number(*o.stiffness_kpa) : Json("unknown");
-    json["poisson_ratio"] = number(o.poisson_ratio);
+    json["poisson_ratio"] = o.poisson_unknown ? Json("unknown") : number(o.poisson_ratio);
     return json;
 }
 
 Json background_json(const BackgroundSettings& b) {
     return {{"label", b.label ? Json(*b.label) : Json(nullptr)},
             {"stiffness_kpa", number(b.stiffness_kpa)},
-            {"poisson_ratio", number(b.poisson_ratio)},
+            {"poisson_ratio", b.poisson_unknown ? Json("unknown") : number(b.poisson_ratio)},
             {"outer_boundary", b.outer_boundary_fixed ? "fixed" : "free"}};
 }
 
@@ -182,7 +190,9 @@ Json settings_json(const Settings& s) {
               {"displacement_sd_mm", number(p.displacement_sd_mm)},
               {"displacement_range_mm", number(p.displacement_range_mm)},
               {"stiffness_median_ratio", number(p.stiffness_median_ratio)},
-              {"stiffness_sd_ln", number(p.stiffness_sd_ln)}}}};
+              {"stiffness_sd_ln", number(p.stiffness_sd_ln)},
+              {"poisson_lowest", number(p.poisson_lowest)},
+              {"poisson_highest", number(p.poisson_highest)}}}};
 }
 
 }  // namespace

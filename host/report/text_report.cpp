@@ -25,6 +25,22 @@ std::string regions_table(const RecoveryResult& result) {
     return table.text();
 }
 
+/// Of the Poisson's ratios that were searched; empty if there are none.
+std::string ratios_table(const RecoveryResult& result) {
+    TextTable table({"Region", "Poisson's ratio", "95 % interval", "Verdict"},
+                    {false, true, true, false});
+    bool any = false;
+    for (const RegionResult& r : result.regions) {
+        if (!r.ratio) continue;
+        any = true;
+        table.add({harmless(r.name), decimals(r.poisson_ratio, 2),
+                   fmt::format("{} to {}", decimals(r.ratio->interval[0], 2),
+                               decimals(r.ratio->interval[1], 2)),
+                   r.ratio->verdict});
+    }
+    return any ? '\n' + table.text() : "";
+}
+
 std::string surfaces_table(const RecoveryResult& result) {
     TextTable table({"Surface", "Role", "Dice before", "after", "Mean mm before", "after",
                      "Max mm before", "after"},
@@ -42,7 +58,7 @@ std::string surfaces_table(const RecoveryResult& result) {
 }  // namespace
 
 std::string text_report(const RecoveryResult& result) {
-    std::string out = regions_table(result);
+    std::string out = regions_table(result) + ratios_table(result);
     if (!result.surfaces.empty()) out += '\n' + surfaces_table(result);
     if (std::any_of(result.surfaces.begin(), result.surfaces.end(),
                     [](const SurfaceResult& s) { return s.cut_by_image; }))

@@ -19,6 +19,13 @@
 
 namespace palpate {
 
+/// What is known about a Poisson's ratio that was searched.
+struct RatioResult {
+    std::array<double, 2> interval{0, 0};  ///< 95 %
+    std::string verdict;                   ///< "recovered", "weak" or "not identifiable"
+    std::string reason;                    ///< one sentence in words
+};
+
 /// What is known about one region after a recovery.
 struct RegionResult {
     Index region = 0;
@@ -34,7 +41,8 @@ struct RegionResult {
     /// "recovered", "weak", "not identifiable", "given", "hollow", or "not judged": then interval
     /// and sd are NaN, because the search computes none.
     std::string verdict;
-    std::string reason;  ///< one sentence in words
+    std::string reason;                               ///< one sentence in words
+    std::optional<RatioResult> ratio = std::nullopt;  ///< if Poisson's ratio was unknown
 };
 
 /// One combination of unknown moduli and how much the images say of it.

@@ -73,8 +73,7 @@ StudyReport report_of(const std::vector<Row>& rows) {
         "%",
         worst_error(rows, 0.30), worst_error(rows, 0.49));
     report.sentences = {
-        "Poisson's ratio cannot be read from a patient's images, so recoveries assume one. Here "
-        "the "
+        "Recoveries assume a Poisson's ratio unless they are asked to search it too. Here the "
         "prostate truly has another ratio than the assumed 0.40."};
     report.sections = {{"Error by true ratio",
                         error_table(rows).html("beside") +

@@ -5,7 +5,7 @@ import nibabel
 import numpy
 import pytest
 
-from tests.conftest import recover_arguments, run_palpate
+from tests.conftest import recover_arguments, run_palpate, with_unknown_ratio
 
 
 def fails_cleanly(finished, out, code, *words):
@@ -56,6 +56,13 @@ def test_a_misspelt_setting_is_named(phantom, out, tmp_path):
     config = edited(phantom, tmp_path, "poisson_ratio", "poison_ratio")
     finished = run_palpate(*recover_arguments(phantom, out, config=config))
     fails_cleanly(finished, out, 2, "poison_ratio")
+
+
+def test_an_unknown_poisson_ratio_does_not_go_with_a_saved_model(phantom, out, tmp_path):
+    config = with_unknown_ratio(phantom, tmp_path)
+    for option, value in (("--save-reduced", out.parent / "out.palpate"), ("--method", "nested-lbfgs")):
+        finished = run_palpate(*recover_arguments(phantom, out, option, value, config=config))
+        fails_cleanly(finished, out, 2, option, "poisson_ratio")
 
 
 def test_a_damaged_volume_is_refused(phantom, out, tmp_path):

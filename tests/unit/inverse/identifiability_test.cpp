@@ -66,6 +66,13 @@ TEST(Identifiability, ModuliThatTradeAreNamed) {
     EXPECT_TRUE(says(judge(evidence), "trades with that of outer zone (correlation -0.96)"));
 }
 
+TEST(Identifiability, ARatioIsJudgedByTheShareOfTheAllowedRange) {
+    EXPECT_EQ(judge_ratio({0.36, 0.43}, {0.25, 0.49}).verdict, "recovered");
+    EXPECT_EQ(judge_ratio({0.30, 0.43}, {0.25, 0.49}).verdict, "weak");
+    EXPECT_EQ(judge_ratio({0.27, 0.48}, {0.25, 0.49}).verdict, "not identifiable");
+    EXPECT_TRUE(says(judge_ratio({0.31, 0.43}, {0.25, 0.49}), "50 %"));
+}
+
 TEST(Identifiability, PriorEndsOnlyWiden) {
     const auto narrow = with_prior_ends({90, 110}, 100, 1);
     EXPECT_NEAR(narrow[0], 100 * std::exp(-1.96), 1e-9);

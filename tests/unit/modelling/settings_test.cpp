@@ -118,6 +118,24 @@ TEST(Settings, TextWrittenIsReadBackTheSame) {
     EXPECT_EQ(t.background->label, 5);
 }
 
+TEST(Settings, AnUnknownPoissonRatioIsReadAndWrittenAsSuch) {
+    const std::string tissue = "role = \"tissue\"\nstiffness_kpa = 5\n";
+    const Settings s = parse_settings("[background]\npoisson_ratio = \"unknown\"\n" +
+                                          organ(tissue + "poisson_ratio = \"unknown\""),
+                                      "organs.toml");
+    EXPECT_TRUE(s.background->poisson_unknown);
+    EXPECT_TRUE(s.organs[0].poisson_unknown);
+    EXPECT_TRUE(s.has_unknown_poisson_ratio());
+    EXPECT_TRUE(parse_settings(to_toml(s), "written").organs[0].poisson_unknown);
+
+    EXPECT_FALSE(parse_settings(full_example, "organs.toml").has_unknown_poisson_ratio());
+    expect_mentions(complaint(background + organ(tissue + "poisson_ratio = \"soft\"")),
+                    {"poisson_ratio", "soft", "unknown", "0.499"});
+    expect_mentions(complaint("[prior]\npoisson_lowest = 0.4\npoisson_highest = 0.41\n" +
+                              background + organ(tissue)),
+                    {"poisson_highest", "0.02", "poisson_lowest"});
+}
+
 TEST(Settings, UnknownKeysAreRefusedWithAGuess) {
     expect_mentions(
         complaint(background + organ("rol = \"driven\"")),

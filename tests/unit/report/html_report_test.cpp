@@ -94,6 +94,21 @@ TEST(HtmlReport, ShowsHowMuchEachCombinationOfModuliIsNarrowed) {
                       "<td class='num'>0.24</td><td class='num'>0.97</td>"));
 }
 
+TEST(HtmlReport, ShowsPoissonRatiosThatWereSearched) {
+    RecoveryResult result = synthetic_result();
+    result.regions[0].poisson_ratio = 0.33;
+    result.regions[0].ratio = RatioResult{{0.3, 0.36}, "recovered", "narrow & <nice>"};
+    result.regions[1].ratio = RatioResult{{0.25, 0.49}, "not identifiable", "wide"};
+
+    const std::string page = html_report(result);
+
+    EXPECT_TRUE(holds(page, "background, Poisson's ratio"));
+    EXPECT_TRUE(holds(page, "<p class='value'>0.33</p><p>95 % interval 0.30 – 0.36</p>"));
+    EXPECT_TRUE(holds(page, "0.33 (0.30 – 0.36)"));
+    EXPECT_TRUE(holds(page, "narrow &amp; &lt;nice&gt;"));
+    EXPECT_TRUE(holds(page, "prostate, transition zone, Poisson's ratio"));
+}
+
 TEST(HtmlReport, NamesInputFilesOnlyIfAsked) {
     const RecoveryResult result = synthetic_result();
 

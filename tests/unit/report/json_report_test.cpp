@@ -60,6 +60,21 @@ TEST(JsonReport, HoldsTheFieldsThatProgramsReadByName) {
     EXPECT_EQ(j["warnings"].size(), 1u);
 }
 
+TEST(JsonReport, ASearchedPoissonRatioHasIntervalAndVerdict) {
+    RecoveryResult result = synthetic_result();
+    EXPECT_TRUE(parsed(result)["regions"][1]["searched_poisson_ratio"].is_null());
+
+    result.regions[1].ratio = RatioResult{{0.38, 0.46}, "recovered", "narrow"};
+    result.settings.organs[0].poisson_unknown = true;
+
+    const nlohmann::json j = parsed(result);
+    EXPECT_EQ(j["regions"][1]["searched_poisson_ratio"]["interval"], nlohmann::json({0.38, 0.46}));
+    EXPECT_EQ(j["regions"][1]["searched_poisson_ratio"]["verdict"], "recovered");
+    EXPECT_EQ(j["settings"]["organ"][0]["poisson_ratio"], "unknown");
+    EXPECT_NE(j["summary"].dump().find("Poisson's ratio of prostate, transition zone"),
+              std::string::npos);
+}
+
 TEST(JsonReport, HollowRegionsHaveNoStiffness) {
     const nlohmann::json bladder = parsed(synthetic_result())["regions"][3];
 

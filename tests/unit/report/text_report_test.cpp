@@ -35,6 +35,18 @@ TEST(TextReport, AlignsItsColumns) {
               "           3.73   0.25");
 }
 
+TEST(TextReport, ListsPoissonRatiosThatWereSearched) {
+    RecoveryResult result = synthetic_result();
+    EXPECT_EQ(text_report(result).find("Poisson"), std::string::npos);
+
+    result.regions[1].poisson_ratio = 0.42;
+    result.regions[1].ratio = RatioResult{{0.38, 0.46}, "recovered", "narrow"};
+
+    const auto lines = lines_of(text_report(result));
+    EXPECT_EQ(lines[9], "Region                     Poisson's ratio  95 % interval  Verdict");
+    EXPECT_EQ(lines[11], "prostate, transition zone             0.42   0.38 to 0.46  recovered");
+}
+
 TEST(TextReport, CountsCharactersNotBytesAndHidesControlCharacters) {
     RecoveryResult r;
     r.regions.push_back(
