@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/model/solid_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <set>
+
+#include "solver/base/error.hpp"
+#include "solver/model/quadratic_mesh.hpp"
+#include "tests/fixtures/meshes.hpp"
+
+namespace palpate {
+namespace {
+
+SolidMesh tilted_box() {
+    Mesh box = fixtures::box_mesh({3, 2, 2}, Vec3(3, 2, 2.5));
+    fixtures::shake_inner_nodes(box, 0.15, 4);
+    return solid_mesh_of(box);
+}
+
+SolidMesh rectangle(ElementType type, Formulation formulation) {
+    SolidMesh mesh = fixtures::rectangle_mesh(type, formulation, {3, 2}, {3.0, 2.0});
+    mesh.nodes[5].x() += 0.2;  // an inner node
+    return mesh;
+}
+
+std::vector<SolidMesh> every_kind() {
+    return {tilted_box(),
+            with_edge_nodes(tilted_box()),
+            rectangle(ElementType::tri3, Formulation::plane_strain),
+            with_edge_nodes(rectangle(ElementType::tri3, Formulation::plane_stress)),
+            rectangle(ElementType::quad4, Formulation::axisymmetric)};
+}
+
+TEST(SolidMesh, GradientsOfAnAffineFieldAreExactEverywhere) {
+    const Mat3 slope = (Mat3() << 0.3, -0.1, 0.2, 0.4, 0.1, -0.3, 0.2, 0.5, 0.1).finished();
+    for (const SolidMesh& mesh : every_kind()) {
+        check_mesh(mesh);
+        const auto geometry = point_geometry(mesh);
+        const int points = mesh.table().num_points;
+        ASSERT_EQ(geometry.size(), static_cast<std::size_t>(mesh.num_elements()) * points);
+        for (Index e = 0; e < mesh.num_elements(); ++e)
+            for (int q = 0; q < points; ++q) {
+                Mat3 found = Mat3::Zero();
+                const PointGeometry& at = geometry[e * points + q];
+                for (int a = 0; a < mesh.table().num_nodes; ++a)
+                    found += slope * mesh.nodes[mesh.nodes_of(e)[a]] *
+                             Eigen::Map<const Vec3>(at.gradient[a].data()).transpose();
+                Mat3 expected = slope;
+                if (mesh.formulation != Formulation::solid) expected.col(2).setZero();
+                EXPECT_LT((found - expected).norm(), 1e-13) << mesh.table().name;
+            }
+    }
+}
+
+double volume_of(const SolidMesh& mesh) {
+    double sum = 0;
+    for (const PointGeometry& at : point_geometry(mesh)) sum += at.volume;
+    return sum;
+}
+
+TEST(SolidMesh, VolumesAddUp) {
+    EXPECT_NEAR(volume_of(tilted_box()), 15.0, 1e-12);
+    EXPECT_NEAR(volume_of(with_edge_nodes(tilted_box())), 15.0, 1e-12);
+    SolidMesh plate = rectangle(ElementType::tri3, Formulation::plane_stress);
+    plate.thickness_mm = 0.5;
+    EXPECT_NEAR(volume_of(plate), 3.0, 1e-12);
+    // A cylinder of radius 3 and height 2.
+    EXPECT_NEAR(volume_of(rectangle(ElementType::quad4, Formulation::axisymmetric)),
+                std::numbers::pi * 9 * 2, 1e-10);
+}
+
+TEST(SolidMesh, TheHoopStrainOfARadialStretchIsTheStretch) {
+    const SolidMesh mesh = rectangle(ElementType::quad4, Formulation::axisymmetric);
+    const auto geometry = point_geometry(mesh);
+    for (Index e = 0; e < mesh.num_elements(); ++e)
+        for (int q = 0; q < 4; ++q) {
+            double hoop = 0;
+            for (int a = 0; a < 4; ++a)
+                hoop += geometry[4 * e + q].hoop[a] * 0.07 * mesh.nodes[mesh.nodes_of(e)[a]].x();
+            EXPECT_NEAR(hoop, 0.07, 1e-14);
+        }
+}
+
+TEST(SolidMesh, NoTwoElementsOfAColourShareANode) {
+    for (const SolidMesh& mesh : every_kind()) {
+        const Adjacency colours = element_colours(mesh);
+        EXPECT_EQ(colours.items.size(), mesh.region.size());
+        EXPECT_EQ(std::set<Index>(colours.items.begin(), colours.items.end()).size(),
+                  mesh.region.size());
+        for (Index c = 0; c < colours.num_lists(); ++c) {
+            std::set<Index> seen;
+            for (Index k = colours.offsets[c]; k < colours.offsets[c + 1]; ++k)
+                for (const Index node : mesh.nodes_of(colours.items[k]))
+                    EXPECT_TRUE(seen.insert(node).second) << mesh.table().name;
+        }
+    }
+}
+
+TEST(SolidMesh, TheGraphHasEveryPairOfAnElement) {
+    for (const SolidMesh& mesh : every_kind()) {
+        const Adjacency graph = node_graph(mesh);
+        ASSERT_EQ(graph.num_lists(), mesh.num_nodes());
+        for (Index e = 0; e < mesh.num_elements(); ++e)
+            for (const Index a : mesh.nodes_of(e))
+                for (const Index b : mesh.nodes_of(e))
+                    EXPECT_TRUE(std::binary_search(graph.items.begin() + graph.offsets[a],
+                                                   graph.items.begin() + graph.offsets[a + 1], b));
+    }
+}
+
+TEST(SolidMesh, EdgeNodesAreSharedAndInTheMiddle) {
+    const SolidMesh coarse = solid_mesh_of(fixtures::box_mesh({1, 1, 1}, Vec3(2, 2, 2)));
+    const SolidMesh mesh = with_edge_nodes(coarse);
+    EXPECT_EQ(mesh.table().name, "tet10");
+    EXPECT_EQ(mesh.num_nodes(), 27);  // the corners, edges, face and body diagonals of one cube
+    EXPECT_THROW(with_edge_nodes(mesh), Error);
+}
+
+std::string complaint(const SolidMesh& mesh) {
+    try {
+        check_mesh(mesh);
+        point_geometry(mesh);
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+TEST(SolidMesh, BrokenRulesAreNamed) {
+    SolidMesh mesh = tilted_box();
+    mesh.formulation = Formulation::axisymmetric;
+    EXPECT_NE(complaint(mesh).find("axisymmetric"), std::string::npos);
+    mesh = tilted_box();
+    mesh.elements[7] = 999;
+    EXPECT_NE(complaint(mesh).find("999"), std::string::npos);
+    mesh = tilted_box();
+    mesh.elements.pop_back();
+    EXPECT_NE(complaint(mesh).find("node numbers per element"), std::string::npos);
+    mesh = tilted_box();
+    std::swap(mesh.elements[4], mesh.elements[5]);
+    EXPECT_NE(complaint(mesh).find("element 1 is degenerate"), std::string::npos);
+    mesh = rectangle(ElementType::quad4, Formulation::axisymmetric);
+    mesh.nodes[0].x() = -1;
+    EXPECT_NE(complaint(mesh).find("negative distance"), std::string::npos);
+    mesh = rectangle(ElementType::tri3, Formulation::plane_strain);
+    mesh.nodes[2].z() = 1;
+    EXPECT_NE(complaint(mesh).find("plane z = 0"), std::string::npos);
+    mesh = rectangle(ElementType::tri3, Formulation::plane_strain);
+    mesh.thickness_mm = 0;
+    EXPECT_NE(complaint(mesh).find("thickness"), std::string::npos);
+    EXPECT_THROW(formulation_of("plane"), Error);
+    EXPECT_EQ(formulation_of("plane-stress"), Formulation::plane_stress);
+}
+
+}  // namespace
+}  // namespace palpate
