@@ -26,6 +26,7 @@ namespace {
 
 constexpr std::size_t max_text = 64 * 1024;
 constexpr int tick_ms = 100;
+constexpr int start_limit_ms = 30000;  // of fork and exec
 constexpr double seconds_after_kill = 2;
 
 struct Pipe {
@@ -82,6 +83,16 @@ void set_limit(int resource, double value) {
     _exit(ignored < 0 ? 126 : 127);
 }
 
+/// A fork that runs none of the handlers which libraries leave for it: ITK's takes a lock in the
+/// child that a thread of the parent may hold at that moment, and waits for ever.
+pid_t bare_fork() {
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 34)
+    return _Fork();
+#else
+    return fork();
+#endif
+}
+
 /// Kills and reaps the child if it is still there when an exception passes.
 class Child {
 public:
@@ -129,6 +140,13 @@ void wait_for_text(Pipe& output, Pipe& errors, ChildResult& result) {
 
 void throw_if_not_started(Pipe& report, const std::filesystem::path& program) {
     Pipe::close_end(report.write_end);
+    pollfd end{report.read_end, POLLIN, 0};
+    int ready = 0;
+    while ((ready = poll(&end, 1, start_limit_ms)) < 0 && errno == EINTR) {
+    }
+    if (ready == 0)
+        throw Error(ErrorCode::internal, "'" + program.string() + "' did not start within " +
+                                             std::to_string(start_limit_ms / 1000) + " s");
     int why = 0;
     ssize_t got = 0;
     while ((got = read(report.read_end, &why, sizeof why)) < 0 && errno == EINTR) {
@@ -155,7 +173,7 @@ ChildResult run_child(const std::filesystem::path& program,
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     const pid_t parent = getpid();
-    const pid_t id = fork();
+    const pid_t id = bare_fork();
     if (id < 0) throw Error(ErrorCode::out_of_memory, "cannot start a process for '" + name + "'");
     if (id == 0)
         become(argv.data(), limits, parent, output.write_end, errors.write_end, report.write_end);

@@ -6,13 +6,17 @@
 
 namespace palpate {
 
-/// Bilinear quadrilateral on [-1, 1]^2, corners counter-clockwise from (-1, -1), 2 x 2 Gauss points.
+/// Bilinear quadrilateral on [-1, 1]^2, corners counter-clockwise from (-1, -1), 2 x 2 Gauss
+/// points.
 inline ElementShape quad4_shape() {
     static constexpr double g = 0.57735026918962576451;
     static constexpr double place[] = {-g, -g, g, -g, g, g, -g, g};
     static constexpr double weight[] = {1, 1, 1, 1};
     static constexpr double reference[] = {-1, -1, 1, -1, 1, 1, -1, 1};
-    return {"quad4", 2, 4, 4,
+    return {"quad4",
+            2,
+            4,
+            4,
             [](const double* xi, ShapeFunctions& out) {
                 for (int a = 0; a < 4; ++a) {
                     const double s = reference[2 * a], t = reference[2 * a + 1];
@@ -21,7 +25,9 @@ inline ElementShape quad4_shape() {
                     out.gradient[a][1] = 0.25 * t * (1 + s * xi[0]);
                 }
             },
-            reference, place, weight};
+            reference,
+            place,
+            weight};
 }
 
 }  // namespace palpate

@@ -36,8 +36,7 @@ ElementTable table_of(const ElementShape& shape) {
         shape.shapes(&table.place[q * table.dimension], at);
         for (int a = 0; a < table.num_nodes; ++a) {
             table.value.push_back(at.value[a]);
-            for (int j = 0; j < table.dimension; ++j)
-                table.gradient.push_back(at.gradient[a][j]);
+            for (int j = 0; j < table.dimension; ++j) table.gradient.push_back(at.gradient[a][j]);
         }
     }
     return table;

@@ -17,14 +17,18 @@ inline ElementShape tet10_shape() {
     static constexpr double a = 0.58541019662496845446, b = 0.13819660112501051518;
     static constexpr double place[] = {b, b, b, a, b, b, b, a, b, b, b, a};
     static constexpr double weight[] = {1.0 / 24, 1.0 / 24, 1.0 / 24, 1.0 / 24};
-    static constexpr double reference[] = {0, 0,   0, 1,   0,   0, 0,   1,   0, 0, 0,   1, 0.5, 0, 0,
-                                           0.5, 0.5, 0, 0, 0.5, 0, 0,   0,   0.5, 0.5, 0, 0.5,
-                                           0, 0.5, 0.5};
-    return {"tet10", 3, 10, 4,
-            [](const double* xi, ShapeFunctions& out) {
-                quadratic_simplex<3>(xi, tet10_edges, out);
-            },
-            reference, place, weight};
+    static constexpr double reference[] = {0, 0, 0,   1,   0,   0,   0,   1, 0,   0,
+                                           0, 1, 0.5, 0,   0,   0.5, 0.5, 0, 0,   0.5,
+                                           0, 0, 0,   0.5, 0.5, 0,   0.5, 0, 0.5, 0.5};
+    return {
+        "tet10",
+        3,
+        10,
+        4,
+        [](const double* xi, ShapeFunctions& out) { quadratic_simplex<3>(xi, tet10_edges, out); },
+        reference,
+        place,
+        weight};
 }
 
 }  // namespace palpate

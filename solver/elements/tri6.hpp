@@ -16,11 +16,15 @@ inline ElementShape tri6_shape() {
     static constexpr double place[] = {b, b, a, b, b, a};
     static constexpr double weight[] = {1.0 / 6, 1.0 / 6, 1.0 / 6};
     static constexpr double reference[] = {0, 0, 1, 0, 0, 1, 0.5, 0, 0.5, 0.5, 0, 0.5};
-    return {"tri6", 2, 6, 3,
-            [](const double* xi, ShapeFunctions& out) {
-                quadratic_simplex<2>(xi, tri6_edges, out);
-            },
-            reference, place, weight};
+    return {
+        "tri6",
+        2,
+        6,
+        3,
+        [](const double* xi, ShapeFunctions& out) { quadratic_simplex<2>(xi, tri6_edges, out); },
+        reference,
+        place,
+        weight};
 }
 
 }  // namespace palpate

@@ -20,9 +20,8 @@ struct Quadratic {
 Quadratic quadratic_of(const SolidMesh& linear) {
     if (linear.type == ElementType::tet4) return {ElementType::tet10, tet10_edges};
     if (linear.type == ElementType::tri3) return {ElementType::tri6, tri6_edges};
-    throw Error(ErrorCode::invalid_argument,
-                "elements of type " + linear.table().name +
-                    " cannot be made quadratic; allowed: tet4, tri3");
+    throw Error(ErrorCode::invalid_argument, "elements of type " + linear.table().name +
+                                                 " cannot be made quadratic; allowed: tet4, tri3");
 }
 
 }  // namespace
@@ -39,7 +38,8 @@ SolidMesh with_edge_nodes(const SolidMesh& linear) {
         for (const auto& [p, q] : quadratic.edges) {
             const auto edge = std::minmax(corners[p], corners[q]);
             const auto [place, is_new] = middles.try_emplace(edge, mesh.num_nodes());
-            if (is_new) mesh.nodes.push_back(0.5 * (mesh.nodes[edge.first] + mesh.nodes[edge.second]));
+            if (is_new)
+                mesh.nodes.push_back(0.5 * (mesh.nodes[edge.first] + mesh.nodes[edge.second]));
             mesh.elements.push_back(place->second);
         }
     }

@@ -3,6 +3,8 @@
 #include "host/meshing/child_process.hpp"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -65,6 +67,22 @@ TEST(ChildProcess, gives_the_child_no_input_and_no_open_file) {
     std::ifstream open_file("/dev/null");
     const ChildResult result = run_child(shell, {"-c", "cat; ls /proc/self/fd | wc -l"}, {});
     EXPECT_EQ(result.output, "4\n");  // 0, 1, 2 and the one that ls opens on the folder
+}
+
+bool handlers_hang = false;
+
+void hang_in_the_child() {
+    while (handlers_hang) pause();
+}
+
+// As a library's handler does that takes a lock in the child which nobody there will ever release.
+TEST(ChildProcess, starts_whatever_libraries_do_when_the_process_forks) {
+    ASSERT_EQ(pthread_atfork(nullptr, nullptr, hang_in_the_child), 0);
+    handlers_hang = true;
+    const ChildResult result = run_child(shell, {"-c", "echo here"}, {10, 1});
+    handlers_hang = false;
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.output, "here\n");
 }
 
 TEST(ChildProcess, says_that_a_program_does_not_exist) {

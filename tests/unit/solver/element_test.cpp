@@ -94,9 +94,7 @@ TEST_P(Element, QuadratureIsExactUpToTheDegreeOfTheStiffness) {
             }
 }
 
-TEST_P(Element, IsFoundByItsName) {
-    EXPECT_EQ(element_type_of(table().name), GetParam());
-}
+TEST_P(Element, IsFoundByItsName) { EXPECT_EQ(element_type_of(table().name), GetParam()); }
 
 TEST(ElementNames, AnUnknownTypeIsRefusedWithThoseThatThereAre) {
     try {

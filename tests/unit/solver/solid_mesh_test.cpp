@@ -27,8 +27,7 @@ SolidMesh rectangle(ElementType type, Formulation formulation) {
 }
 
 std::vector<SolidMesh> every_kind() {
-    return {tilted_box(),
-            with_edge_nodes(tilted_box()),
+    return {tilted_box(), with_edge_nodes(tilted_box()),
             rectangle(ElementType::tri3, Formulation::plane_strain),
             with_edge_nodes(rectangle(ElementType::tri3, Formulation::plane_stress)),
             rectangle(ElementType::quad4, Formulation::axisymmetric)};
