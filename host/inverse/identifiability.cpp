@@ -65,14 +65,26 @@ std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa,
             std::max(interval_kpa[1], median_kpa * spread)};
 }
 
-Verdict judge_ratio(const std::array<double, 2>& interval, const std::array<double, 2>& allowed) {
-    const double share = (interval[1] - interval[0]) / (allowed[1] - allowed[0]);
-    const std::string verdict = share <= 1.0 / 3.0   ? "recovered"
-                                : share <= 2.0 / 3.0 ? "weak"
-                                                     : "not identifiable";
-    return {verdict, fmt::format("the 95 % interval takes {:.0f} % of the range that was allowed, "
-                                 "{:.3g} to {:.3g}",
-                                 100 * share, allowed[0], allowed[1])};
+std::array<double, 2> RatioEvidence::interval() const {
+    return {std::max(allowed[0], best - reach[0]), std::min(allowed[1], best + reach[1])};
+}
+
+Verdict judge_ratio(const RatioEvidence& evidence) {
+    const auto [down, up] = evidence.reach;
+    const double width = evidence.at_limit == RatioLimit::lowest    ? 2 * up
+                         : evidence.at_limit == RatioLimit::highest ? 2 * down
+                                                                    : down + up;
+    const double range = evidence.allowed[1] - evidence.allowed[0];
+    const double share = width / (2 * 1.96 * range / std::sqrt(12.0));
+    const std::string text = fmt::format(
+        "the images leave {:.0f} % of the spread that was assumed beforehand, {:.3g} to "
+        "{:.3g}",
+        100 * std::min(share, 1.0), evidence.allowed[0], evidence.allowed[1]);
+    if (share > 2.0 / 3.0) return {"not identifiable", text};
+    if (evidence.at_limit != RatioLimit::none) {
+        return {"weak", text + "; the best ratio is an end of what was allowed"};
+    }
+    return {share <= 0.5 ? "recovered" : "weak", text};
 }
 
 Verdict judge_unobserved(bool surface_is_driven) {

@@ -5,6 +5,8 @@
 #include <array>
 #include <string>
 
+#include "host/inverse/poisson_search.hpp"
+
 namespace palpate {
 
 /// What the data say about one unknown modulus.
@@ -33,9 +35,20 @@ Verdict judge(const ModulusEvidence& evidence);
 std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
                                       double prior_sd_ln);
 
-/// A Poisson's ratio is *recovered* if its 95 % interval is at most a third as wide as the range
-/// that was allowed, *not identifiable* if it is wider than two thirds, *weak* between.
-Verdict judge_ratio(const std::array<double, 2>& interval, const std::array<double, 2>& allowed);
+/// What is known of one Poisson's ratio after a search.
+struct RatioEvidence {
+    double best = 0;
+    std::array<double, 2> reach{0, 0};  ///< of the 95 % interval below and above it
+    RatioLimit at_limit = RatioLimit::none;
+    std::array<double, 2> allowed{0, 0.5};
+    /// `best` and its reach, inside the allowed range.
+    std::array<double, 2> interval() const;
+};
+
+/// A Poisson's ratio is *recovered* if its 95 % interval, the limits notwithstanding, is at most
+/// half as wide as that of a ratio equally likely in the whole allowed range, *not identifiable* if
+/// it is wider than two thirds, *weak* between, and at best weak at a limit.
+Verdict judge_ratio(const RatioEvidence& evidence);
 
 /// For a region that no observed surface touches: its modulus has no influence on the data.
 Verdict judge_unobserved(bool surface_is_driven);

@@ -86,8 +86,9 @@ private:
     const WallPrior& walls_;
     const SurfaceObservations& observations_;
     SurfaceNoise noise_;
-    bool is_noise_held_ = false;
-    bool is_near_ = false;  ///< the search starts near the minimum: no scan
+    /// Of an earlier estimate near which the search starts: its noise is held, and these rows are
+    /// counted whatever is seen. Empty: a fresh search.
+    Counted held_;
     const std::vector<ModulusPrior>& priors_;
     const MapOptions& options_;
     const ProgressSink& progress_;
@@ -102,6 +103,7 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
     const auto kpa = model_.moduli(unknown, theta);
     State state{driven, model_.observed_displacement(kpa, driven), theta, {}, 0};
     state.seen = observations_.evaluate(state.driven, state.observed);
+    if (!held_.empty()) state.seen.seen = held_;
     state.objective = objective_of(state, counted);
     return state;
 }
@@ -250,9 +252,8 @@ MapEstimate Search::run() {
 
 MapEstimate Search::run_from(const MapEstimate& earlier) {
     noise_ = *earlier.noise;
-    is_noise_held_ = is_near_ = true;
-    const Counted all(observations_.num_rows(), 1);
-    return iterate(recounted(state_at(earlier.driven, earlier.theta, all)));
+    held_ = earlier.counted;
+    return iterate(state_at(earlier.driven, earlier.theta, held_));
 }
 
 MapEstimate Search::iterate(State state) {
@@ -264,7 +265,7 @@ MapEstimate Search::iterate(State state) {
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
-            k == 1 && !is_near_ ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
+            k == 1 && held_.empty() ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
         if (k == 1) state = recounted(state_at(state.driven, start, state.seen.seen));
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
@@ -274,7 +275,7 @@ MapEstimate Search::iterate(State state) {
         state = recounted(accelerated_step(state, best, acceleration, improved));
         record(k, state, best, moved);
         termination.iterations = k;
-        if (k < options_.noise_iterations && !is_noise_held_) {
+        if (k < options_.noise_iterations && held_.empty()) {
             const bool changed = update_noise(best, state);
             state = recounted(state);
             if (changed) {
@@ -320,8 +321,11 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.termination = termination;
     estimate.posterior = std::make_shared<LinearisedProblem>(linearise(state));
     const LinearisedProblem& problem = *estimate.posterior;
+    estimate.counted = state.seen.seen;
+    // The noise's own determinant is shared, but for what outliers make of it at each estimate.
     estimate.objective =
-        state.objective + 0.5 * problem.evaluate(state.theta, false).log_determinant;
+        state.objective + 0.5 * (problem.evaluate(state.theta, false).log_determinant -
+                                 problem.noise_log_determinant());
     estimate.covariance = laplace_covariance(problem, state.theta);
     const Eigen::MatrixXd information = problem.seen_information(state.theta);
     estimate.seen_sd_ln = seen_sd_ln(information, priors_);

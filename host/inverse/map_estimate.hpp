@@ -47,8 +47,9 @@ struct MapEstimate {
     std::shared_ptr<const LinearisedProblem> posterior;
     double noise_scale = 1;                     ///< factor on sigma_n that the data asked for
     std::shared_ptr<const SurfaceNoise> noise;  ///< as it was in the end; valid as the observations
+    std::vector<std::uint8_t> counted;          ///< [num rows] those that the objective is over
     /// Minus the log posterior at the estimate, the wall motion integrated out, up to a constant
-    /// that models with the same observations and noise share.
+    /// that estimates of other models share if they hold this one's noise and rows.
     double objective = 0;
     std::vector<IterationRecord> records;
     Termination termination;
@@ -64,7 +65,7 @@ MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const ProgressSink& progress = {});
 
 /// The same, started at an earlier estimate from the same observations with another model, whose
-/// noise is held: the objectives of the two can be compared.
+/// noise and counted rows are held: the objectives of the two can be compared.
 MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& model,
                               const WallPrior& walls, const SurfaceObservations& observations,
                               const std::vector<ModulusPrior>& priors, const MapOptions& options,

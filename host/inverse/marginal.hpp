@@ -70,6 +70,7 @@ public:
     /// Of the free wall motion: how many combinations of functionals the walls leave open.
     Index rank() const { return static_cast<Index>(spread_root_.cols()); }
     Index num_observed_rows() const { return num_rows_; }
+    double noise_log_determinant() const { return noise_log_determinant_; }  ///< ln det R
     const std::vector<ModulusPrior>& priors() const { return priors_; }
 
 private:

@@ -19,7 +19,8 @@
 namespace palpate {
 namespace {
 
-/// Trials whose objective is this much above the lowest count half as much in the paraboloid.
+/// Residuals of trials whose objective is this much above the lowest count half as much in the
+/// paraboloid.
 constexpr double trusted_rise = 4.0;
 
 const RatioTrial& lowest_of(const std::vector<RatioTrial>& trials) {
@@ -40,6 +41,9 @@ double call_back(unsigned n, const double* x, double*, void* data) {
     auto& descent = *static_cast<Descent*>(data);
     try {
         descent.trials.push_back(descent.evaluate(Eigen::Map<const Eigen::VectorXd>(x, n)));
+        if (!std::isfinite(descent.trials.back().objective))
+            throw Error(ErrorCode::solve_failed,
+                        "the search of Poisson's ratios met an objective that is not a number");
         return descent.trials.back().objective;
     } catch (...) {
         descent.failure = std::current_exception();
@@ -49,7 +53,7 @@ double call_back(unsigned n, const double* x, double*, void* data) {
 }
 
 std::vector<RatioTrial> go_down(const RatioEvaluation& evaluate, const Eigen::VectorXd& start,
-                                const RatioSearchOptions& options) {
+                                const RatioSearchOptions& options, bool& converged) {
     const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> optimiser(
         nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(start.size())), nlopt_destroy);
     if (!optimiser) throw Error(ErrorCode::out_of_memory, "NLopt could not make an optimiser");
@@ -63,7 +67,8 @@ std::vector<RatioTrial> go_down(const RatioEvaluation& evaluate, const Eigen::Ve
     Eigen::VectorXd ratios = start;
     double lowest = 0;
     // However it ends, the trials made until then count.
-    nlopt_optimize(optimiser.get(), ratios.data(), &lowest);
+    const nlopt_result ending = nlopt_optimize(optimiser.get(), ratios.data(), &lowest);
+    converged = ending == NLOPT_XTOL_REACHED || ending == NLOPT_SUCCESS;
     if (descent.failure) std::rethrow_exception(descent.failure);
     if (descent.trials.empty())
         throw Error(ErrorCode::internal, "NLopt tried no Poisson's ratio at all");
@@ -107,11 +112,10 @@ Paraboloid paraboloid(const std::vector<RatioTrial>& trials) {
     return result;
 }
 
-/// Inverse of the Hessian, where its curvature is at least that of a Gaussian as wide as the
-/// allowed range.
-Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& hessian, double range) {
+/// Inverse of the Hessian, whose curvature is taken to be at least `smallest`.
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& hessian, double smallest) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
-    const Eigen::VectorXd curvature = eigen.eigenvalues().cwiseMax(12.0 / (range * range));
+    const Eigen::VectorXd curvature = eigen.eigenvalues().cwiseMax(smallest);
     return eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() *
            eigen.eigenvectors().transpose();
 }
@@ -121,16 +125,21 @@ double reach(double slope, double variance) {
     return variance * (std::sqrt(slope * slope + 2.0 * profile_rise / variance) - slope);
 }
 
-/// Along one ratio, the others following the ridge. The best ratios have no slope inside the range.
-std::array<double, 2> interval_of(const RatioPosterior& posterior, const Paraboloid& fit,
-                                  Eigen::Index k, const RatioSearchOptions& options) {
-    const double best = posterior.best.ratios[k], variance = posterior.covariance(k, k);
-    const double margin = 0.5 * options.tolerance;
-    double up = 0, down = 0;  // slopes, going away from the limit
-    if (best < options.lowest + margin) up = std::max(0.0, fit.gradient[k]);
-    if (best > options.highest - margin) down = std::max(0.0, -fit.gradient[k]);
-    return {std::max(options.lowest, best - reach(down, variance)),
-            std::min(options.highest, best + reach(up, variance))};
+RatioLimit limit_of(double best, const RatioSearchOptions& options) {
+    constexpr double margin = 0.004;
+    if (best < options.lowest + margin) return RatioLimit::lowest;
+    return best > options.highest - margin ? RatioLimit::highest : RatioLimit::none;
+}
+
+/// Along one ratio, the others following the ridge. Only at a limit may the best ratio have a
+/// slope, that is one which goes up to the inside.
+std::array<double, 2> reach_of(const Paraboloid& fit, Eigen::Index k, RatioLimit limit,
+                               const RatioSearchOptions& options) {
+    const double range = options.highest - options.lowest;
+    const double variance = inverse_of(fit.hessian, 2.0 * profile_rise / (range * range))(k, k);
+    const double up = limit == RatioLimit::lowest ? std::max(0.0, fit.gradient[k]) : 0.0;
+    const double down = limit == RatioLimit::highest ? std::max(0.0, -fit.gradient[k]) : 0.0;
+    return {reach(down, variance), reach(up, variance)};
 }
 
 /// Of the best theta over the ratios, a plane through the best trial, by weighted least squares.
@@ -151,23 +160,26 @@ Eigen::MatrixXd theta_slope(const std::vector<RatioTrial>& trials) {
 
 RatioPosterior search_ratios(const RatioEvaluation& evaluate, const Eigen::VectorXd& start,
                              const RatioSearchOptions& options) {
-    const std::vector<RatioTrial> trials =
-        go_down(evaluate, start.cwiseMax(options.lowest).cwiseMin(options.highest), options);
     RatioPosterior posterior;
+    const std::vector<RatioTrial> trials =
+        go_down(evaluate, start.cwiseMax(options.lowest).cwiseMin(options.highest), options,
+                posterior.converged);
     posterior.best = lowest_of(trials);
     const Paraboloid fit = paraboloid(trials);
-    posterior.covariance = covariance_of(fit.hessian, options.highest - options.lowest);
-    for (Eigen::Index k = 0; k < start.size(); ++k)
-        posterior.interval.push_back(interval_of(posterior, fit, k, options));
+    const double range = options.highest - options.lowest;
+    posterior.covariance = inverse_of(fit.hessian, 12.0 / (range * range));
+    for (Eigen::Index k = 0; k < start.size(); ++k) {
+        posterior.at_limit.push_back(limit_of(posterior.best.ratios[k], options));
+        posterior.reach.push_back(reach_of(fit, k, posterior.at_limit.back(), options));
+    }
     posterior.theta_slope = theta_slope(trials);
     posterior.evaluations = static_cast<int>(trials.size());
     return posterior;
 }
 
-std::array<double, 2> with_ratio_model_error(const std::array<double, 2>& interval, double best,
-                                             const std::array<double, 2>& allowed) {
-    return {std::max(allowed[0], best - std::hypot(best - interval[0], 1.96 * ratio_model_sd)),
-            std::min(allowed[1], best + std::hypot(interval[1] - best, 1.96 * ratio_model_sd))};
+std::array<double, 2> with_ratio_model_error(const std::array<double, 2>& reach) {
+    return {std::hypot(reach[0], 1.96 * ratio_model_sd),
+            std::hypot(reach[1], 1.96 * ratio_model_sd)};
 }
 
 }  // namespace palpate

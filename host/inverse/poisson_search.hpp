@@ -22,18 +22,25 @@ using RatioEvaluation = std::function<RatioTrial(const Eigen::VectorXd& ratios)>
 struct RatioSearchOptions {
     double lowest = 0.25, highest = 0.49;  ///< equally likely between these two
     double first_step = 0.04;
-    double tolerance = 0.008;  ///< the search ends when it would change ratios by less
+    double tolerance = 0.002;  ///< the search ends when it would change ratios by less
     int max_evaluations = 60;
 };
+
+/// Whether a best ratio is an end of the allowed range.
+enum class RatioLimit { none, lowest, highest };
 
 struct RatioPosterior {
     RatioTrial best;
     /// [num ratios, num ratios], of the curvature of the objective; no wider than what the prior
     /// allows.
     Eigen::MatrixXd covariance;
-    std::vector<std::array<double, 2>> interval;  ///< 95 %, inside the allowed range
-    Eigen::MatrixXd theta_slope;  ///< d theta / d ratios along the best theta [moduli, ratios]
+    /// [num ratios] how far the 95 % interval reaches below and above the best ratio, the limits
+    /// notwithstanding. At a limit only what points inside says anything.
+    std::vector<std::array<double, 2>> reach;
+    std::vector<RatioLimit> at_limit;  ///< [num ratios]
+    Eigen::MatrixXd theta_slope;       ///< d theta / d ratios along the best theta [moduli, ratios]
     int evaluations = 0;
+    bool converged = false;  ///< whether the search ended by its tolerance
 };
 
 /// The most probable Poisson's ratios between two limits. An evaluation condenses the model anew
@@ -47,9 +54,7 @@ RatioPosterior search_ratios(const RatioEvaluation& evaluate, const Eigen::Vecto
 /// to 26, 0.30 and 0.45) with a load that shows the ratio well, it was off by up to 0.036.
 constexpr double ratio_model_sd = 0.03;
 
-/// The interval about `best` with the model's own uncertainty added in quadrature on either side,
-/// inside the allowed range.
-std::array<double, 2> with_ratio_model_error(const std::array<double, 2>& interval, double best,
-                                             const std::array<double, 2>& allowed);
+/// A reach with the model's own uncertainty added in quadrature.
+std::array<double, 2> with_ratio_model_error(const std::array<double, 2>& reach);
 
 }  // namespace palpate

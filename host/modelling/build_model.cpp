@@ -56,16 +56,24 @@ std::vector<NodeSet> node_sets(const RegionMesh& mesh, const Settings& settings)
     return sets;
 }
 
+/// As given; where its search starts if it is unknown.
+template <typename Material>
+double ratio_of(const Material& material, const PriorSettings& prior) {
+    if (!material.poisson_unknown) return material.poisson_ratio;
+    return std::clamp(material.poisson_ratio, prior.poisson_lowest, prior.poisson_highest);
+}
+
 std::vector<LinearElastic> materials_of(const Settings& settings) {
     std::vector<LinearElastic> materials(settings.num_regions());
     if (settings.background) {
         materials[background_region] = {settings.background->stiffness_kpa,
-                                        settings.background->poisson_ratio};
+                                        ratio_of(*settings.background, settings.prior)};
     }
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         const auto& organ = settings.organs[k];
         materials[first_organ_region + k] = {
-            organ.stiffness_kpa.value_or(prior_median_kpa(settings)), organ.poisson_ratio};
+            organ.stiffness_kpa.value_or(prior_median_kpa(settings)),
+            ratio_of(organ, settings.prior)};
     }
     return materials;
 }

@@ -129,9 +129,10 @@ PriorSettings read_prior(const SettingsTable& table) {
     read("stiffness_sd_ln", {0.01, 10}, p.stiffness_sd_ln);
     read("poisson_lowest", poisson_range, p.poisson_lowest);
     read("poisson_highest", poisson_range, p.poisson_highest);
-    if (p.poisson_highest - p.poisson_lowest < narrowest_poisson_range)
-        table.refuse("poisson_highest", fmt::format("allowed: at least {} more than poisson_lowest",
-                                                    narrowest_poisson_range));
+    if (p.poisson_highest - p.poisson_lowest < narrowest_poisson_range - 1e-9)
+        table.refuse(table.has("poisson_highest") ? "poisson_highest" : "poisson_lowest",
+                     fmt::format("allowed: poisson_highest ({}) at least {} above poisson_lowest",
+                                 p.poisson_highest, narrowest_poisson_range));
     return p;
 }
 
@@ -207,15 +208,18 @@ std::string background_toml(const BackgroundSettings& background) {
                              background.outer_boundary_fixed ? "fixed" : "free");
 }
 
-std::string prior_toml(const PriorSettings& p) {
-    return fmt::format(
+std::string prior_toml(const PriorSettings& p, bool has_unknown_ratio) {
+    std::string text = fmt::format(
         "\n[prior]\nnoise_voxels = {}\ndisplacement_sd_mm = {}\n"
         "displacement_range_mm = {}\nstiffness_median_ratio = {}\n"
-        "stiffness_sd_ln = {}\npoisson_lowest = {}\npoisson_highest = {}\n",
+        "stiffness_sd_ln = {}\n",
         number_text(p.noise_voxels), number_text(p.displacement_sd_mm),
         number_text(p.displacement_range_mm), number_text(p.stiffness_median_ratio),
-        number_text(p.stiffness_sd_ln), number_text(p.poisson_lowest),
-        number_text(p.poisson_highest));
+        number_text(p.stiffness_sd_ln));
+    if (has_unknown_ratio)
+        text += fmt::format("poisson_lowest = {}\npoisson_highest = {}\n",
+                            number_text(p.poisson_lowest), number_text(p.poisson_highest));
+    return text;
 }
 
 }  // namespace
@@ -273,7 +277,7 @@ std::string to_toml(const Settings& settings) {
     std::string out;
     if (settings.background) out += background_toml(*settings.background);
     for (const OrganSettings& organ : settings.organs) out += organ_toml(organ);
-    return out + prior_toml(settings.prior);
+    return out + prior_toml(settings.prior, settings.has_unknown_poisson_ratio());
 }
 
 }  // namespace palpate

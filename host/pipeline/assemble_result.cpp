@@ -130,11 +130,6 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     result.reason = verdict.reason;
 }
 
-bool is_ratio_unknown(const Settings& settings, Index region) {
-    if (region == background_region) return settings.background->poisson_unknown;
-    return settings.organs[region - first_organ_region].poisson_unknown;
-}
-
 /// Everything that was allowed, for a region whose ratio moves nothing that is seen.
 RatioResult unseen_ratio(const PriorSettings& prior) {
     return {{prior.poisson_lowest, prior.poisson_highest},
@@ -143,17 +138,23 @@ RatioResult unseen_ratio(const PriorSettings& prior) {
 }
 
 void describe_ratio(const Recovered& found, const Settings& settings, RegionResult& result) {
-    if (result.hollow || !is_ratio_unknown(settings, result.region)) return;
+    const auto& unknown = found.recovery.unknown_ratio;
+    if (std::find(unknown.begin(), unknown.end(), result.region) == unknown.end()) return;
     result.poisson_ratio = found.recovery.model.materials[result.region].poisson_ratio;
     result.ratio = unseen_ratio(settings.prior);
     const auto& regions = found.poisson->regions;
     const auto place = std::find(regions.begin(), regions.end(), result.region);
     if (place == regions.end()) return;
-    const std::array<double, 2> allowed = result.ratio->interval;
-    const auto interval = with_ratio_model_error(
-        found.poisson->ratios.interval[place - regions.begin()], result.poisson_ratio, allowed);
-    const Verdict verdict = judge_ratio(interval, allowed);
-    result.ratio = {interval, verdict.verdict, verdict.reason};
+    const auto k = place - regions.begin();
+    const RatioPosterior& ratios = found.poisson->ratios;
+    const RatioEvidence evidence{result.poisson_ratio, with_ratio_model_error(ratios.reach[k]),
+                                 ratios.at_limit[k], result.ratio->interval};
+    const Verdict verdict = judge_ratio(evidence);
+    if (verdict.verdict == "not identifiable") {
+        result.ratio->reason = verdict.reason;
+    } else {
+        result.ratio = {evidence.interval(), verdict.verdict, verdict.reason};
+    }
 }
 
 std::vector<RegionResult> region_results(const Recovered& found, const Settings& settings) {

@@ -78,6 +78,7 @@ private:
     MapEstimate last_;  ///< of the latest trial
     std::shared_ptr<const Mechanics> best_mechanics_;
     double lowest_ = 0;
+    bool is_best_settled_ = false;
     int trials_ = 0;
 };
 
@@ -106,13 +107,15 @@ void RatioSearch::report(const RatioTrial& trial) const {
 RatioTrial RatioSearch::evaluate(const Eigen::VectorXd& ratios) {
     const auto mechanics = with_ratios(start_, regions_, ratios, options_);
     MapOptions search = options_.search;
-    search.objective_tolerance_per_row = objective_tolerance_per_row;
+    search.objective_tolerance_per_row =
+        std::min(search.objective_tolerance_per_row, objective_tolerance_per_row);
     last_ = map_estimate_from(last_, mechanics->response, mechanics->walls, observations_,
                               mechanics->priors, search);
     last_.posterior.reset();  // points into these mechanics
     if (!best_mechanics_ || last_.objective < lowest_) {
         best_mechanics_ = mechanics;
         lowest_ = last_.objective;
+        is_best_settled_ = last_.termination.converged;
     }
     ++trials_;
     RatioTrial trial{ratios, last_.objective, last_.theta};
@@ -137,8 +140,9 @@ MapEstimate RatioSearch::estimate_at(const Mechanics& mechanics) const {
 
 /// The moduli as uncertain as the ratios make them.
 void widen(MapEstimate& estimate, const RatioPosterior& ratios) {
-    const Eigen::MatrixXd added =
-        ratios.theta_slope * ratios.covariance * ratios.theta_slope.transpose();
+    Eigen::MatrixXd spread = ratios.covariance;
+    spread.diagonal().array() += ratio_model_sd * ratio_model_sd;
+    const Eigen::MatrixXd added = ratios.theta_slope * spread * ratios.theta_slope.transpose();
     estimate.covariance += added;
     for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
         const Index row = static_cast<Index>(k);
@@ -152,20 +156,31 @@ void widen(MapEstimate& estimate, const RatioPosterior& ratios) {
 PoissonEstimate RatioSearch::run() {
     PoissonEstimate found;
     found.regions = regions_;
-    found.mechanics = std::make_shared<Mechanics>(start_);
-    found.estimate = estimate_at(*found.mechanics);
-    if (regions_.empty()) return found;
+    if (regions_.empty()) {
+        found.mechanics = std::make_shared<Mechanics>(start_);
+        found.estimate = estimate_at(*found.mechanics);
+        return found;
+    }
+    found.estimate = estimate_at(start_);
     Eigen::VectorXd ratios = assumed_ratios();
-    for (int pass = 0; pass < 2; ++pass) {
+    bool is_noise_agreed = false;
+    for (int pass = 0; pass < 2 && !is_noise_agreed; ++pass) {
         last_ = found.estimate;
         found.ratios = search(ratios);
         found.mechanics = best_mechanics_;
         const double held = found.estimate.noise_scale;
         found.estimate = estimate_at(*found.mechanics);
-        if (std::abs(std::log(found.estimate.noise_scale / held)) < allowed_noise_change) break;
+        is_noise_agreed =
+            std::abs(std::log(found.estimate.noise_scale / held)) < allowed_noise_change;
         ratios = found.ratios.best.ratios;
     }
     widen(found.estimate, found.ratios);
+    if (!found.ratios.converged || !is_best_settled_ || !is_noise_agreed) {
+        found.estimate.termination.converged = false;
+        found.estimate.termination.reason =
+            fmt::format("the search of Poisson's ratios did not settle in {} trials; {}", trials_,
+                        found.estimate.termination.reason);
+    }
     return found;
 }
 

@@ -153,20 +153,24 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
                   const SurfaceObservations& observations, const RecoverOptions& options,
                   StageTimer& timer, const ProgressSink& progress) {
     timer.start("searching");
-    if (!mechanics.recovery.unknown_ratio.empty()) {
+    const bool has_unknown_ratio = !mechanics.recovery.unknown_ratio.empty();
+    if (has_unknown_ratio) {
         found.poisson = search_poisson_ratios(mechanics, observations, options, progress);
-        found.estimate = found.poisson->estimate;
+        found.estimate = std::move(found.poisson->estimate);
         found.recovery = found.poisson->mechanics->recovery;
-        timer.start("solving");
-        return solve_full_model(found, *start_full_solver(found.recovery, options.solver),
-                                progress);
+    } else if (options.method == SearchMethod::nested_lbfgs) {
+        found.estimate = nested_estimate(found.recovery, observations, options, progress);
+    } else {
+        found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
+                                      mechanics.priors, options.search, progress);
     }
-    found.estimate = options.method == SearchMethod::nested_lbfgs
-                         ? nested_estimate(found.recovery, observations, options, progress)
-                         : map_estimate(mechanics.response, mechanics.walls, observations,
-                                        mechanics.priors, options.search, progress);
+    found.estimate.noise.reset();  // it points into the observations, which end with the search
     timer.start("solving");
-    solve_full_model(found, full_solver, progress);
+    if (has_unknown_ratio) {
+        solve_full_model(found, *start_full_solver(found.recovery, options.solver), progress);
+    } else {
+        solve_full_model(found, full_solver, progress);
+    }
 }
 
 }  // namespace palpate

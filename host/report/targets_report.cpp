@@ -26,6 +26,32 @@ std::vector<RegionResult> listed_regions(const TargetRow& row) {
     return {region};
 }
 
+bool lists_ratios(const std::vector<TargetRow>& rows) {
+    return std::any_of(rows.begin(), rows.end(), [](const TargetRow& row) {
+        return std::any_of(row.unknown.begin(), row.unknown.end(),
+                           [](const RegionResult& region) { return region.ratio.has_value(); });
+    });
+}
+
+void add_ratio_cells(const RegionResult& region, std::vector<std::string>& cells) {
+    if (!region.ratio) {
+        cells.insert(cells.end(), 3, "-");
+        return;
+    }
+    cells.push_back(decimals(region.poisson_ratio, 2));
+    cells.push_back(fmt::format("{} to {}", decimals(region.ratio->interval[0], 2),
+                                decimals(region.ratio->interval[1], 2)));
+    cells.push_back(region.ratio->verdict);
+}
+
+/// ",ratio,low,high,verdict" of a ratio that was searched, else as many empty cells.
+std::string ratio_csv(const RegionResult& region) {
+    if (!region.ratio) return ",,,,";
+    return fmt::format(",{},{},{},{}", csv_number(region.poisson_ratio),
+                       csv_number(region.ratio->interval[0]), csv_number(region.ratio->interval[1]),
+                       csv_text(region.ratio->verdict));
+}
+
 std::string without_endings(const std::filesystem::path& file) {
     static const std::set<std::string> endings{".gz",  ".nii", ".nrrd", ".nhdr",
                                                ".mha", ".mhd", ".hdr",  ".img"};
@@ -40,7 +66,7 @@ TargetRow target_row(std::string name, const RecoveryResult& result, double seco
     TargetRow row;
     row.name = std::move(name);
     for (const RegionResult& region : result.regions) {
-        if (region.unknown) row.unknown.push_back(region);
+        if (region.unknown || region.ratio) row.unknown.push_back(region);
     }
     row.converged = result.termination.converged;
     row.seconds = seconds;
@@ -53,15 +79,25 @@ TargetRow failed_row(std::string name, const std::string& message) {
 }
 
 std::string targets_table(const std::vector<TargetRow>& rows) {
-    TextTable table({"Target", "Region", "Stiffness kPa", "95 % interval", "Verdict", "Seconds"},
-                    {false, false, true, true, false, true});
+    const bool has_ratios = lists_ratios(rows);
+    std::vector<std::string> header{"Target",        "Region",  "Stiffness kPa",
+                                    "95 % interval", "Verdict", "Seconds"};
+    std::vector<bool> to_the_right{false, false, true, true, false, true};
+    if (has_ratios) {
+        header.insert(header.end(), {"Poisson's ratio", "95 % interval", "Verdict"});
+        to_the_right.insert(to_the_right.end(), {true, true, false});
+    }
+    TextTable table(header, to_the_right);
     std::string notes;
     for (const TargetRow& row : rows) {
         for (const RegionResult& r : listed_regions(row)) {
             const std::string interval = fmt::format("{} to {}", significant(r.interval_kpa[0]),
                                                      significant(r.interval_kpa[1]));
-            table.add({harmless(row.name), harmless(r.name), significant(r.stiffness_kpa), interval,
-                       r.verdict, decimals(row.seconds, 1)});
+            std::vector<std::string> cells{
+                harmless(row.name), harmless(r.name), significant(r.stiffness_kpa),
+                interval,           r.verdict,        decimals(row.seconds, 1)};
+            if (has_ratios) add_ratio_cells(r, cells);
+            table.add(std::move(cells));
         }
         if (!row.note.empty()) notes += harmless(row.name + ": " + row.note) + '\n';
     }
@@ -70,14 +106,15 @@ std::string targets_table(const std::vector<TargetRow>& rows) {
 
 std::string targets_csv(const std::vector<TargetRow>& rows) {
     std::string out =
-        "target,region,stiffness_kpa,low_kpa,high_kpa,verdict,converged,seconds,note\n";
+        "target,region,stiffness_kpa,low_kpa,high_kpa,verdict,converged,seconds,note,"
+        "poisson_ratio,low_ratio,high_ratio,ratio_verdict\n";
     for (const TargetRow& row : rows) {
         for (const RegionResult& r : listed_regions(row)) {
-            out +=
-                fmt::format("{},{},{},{},{},{},{:d},{},{}\n", csv_text(row.name), csv_text(r.name),
-                            csv_number(r.stiffness_kpa), csv_number(r.interval_kpa[0]),
-                            csv_number(r.interval_kpa[1]), csv_text(r.verdict), row.converged,
-                            csv_number(row.seconds), csv_text(row.note));
+            out += fmt::format("{},{},{},{},{},{},{:d},{},{}{}\n", csv_text(row.name),
+                               csv_text(r.name), csv_number(r.stiffness_kpa),
+                               csv_number(r.interval_kpa[0]), csv_number(r.interval_kpa[1]),
+                               csv_text(r.verdict), row.converged, csv_number(row.seconds),
+                               csv_text(row.note), ratio_csv(r));
         }
     }
     return out;

@@ -13,7 +13,7 @@ namespace palpate {
 /// One of several targets of a run, as the tables of all targets list it.
 struct TargetRow {
     std::string name;                   ///< of its result folder
-    std::vector<RegionResult> unknown;  ///< regions whose modulus was estimated
+    std::vector<RegionResult> unknown;  ///< regions whose modulus or Poisson's ratio was estimated
     bool converged = false;
     double seconds = 0;  ///< of this target alone; NaN if it failed
     std::string note;    ///< why it failed or did not converge, else empty
@@ -25,7 +25,9 @@ TargetRow failed_row(std::string name, const std::string& message);
 /// For a terminal: a line per target and unknown region, then the notes. Ends with a newline.
 std::string targets_table(const std::vector<TargetRow>& rows);
 /// The same for programs: target, region, stiffness_kpa, low_kpa, high_kpa, verdict, converged
-/// (1 or 0), seconds, note. A target without unknown region or without result has one line.
+/// (1 or 0), seconds, note, poisson_ratio, low_ratio, high_ratio, ratio_verdict (the last four
+/// empty where no ratio was searched). A target without unknown region or without result has one
+/// line.
 std::string targets_csv(const std::vector<TargetRow>& rows);
 
 /// Names of the result folders of several targets: the file's name without its ending(s), with a

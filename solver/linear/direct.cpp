@@ -11,6 +11,7 @@
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
 #include "solver/linear/constrained_system.hpp"
+#include "solver/linear/free_dofs.hpp"
 #include "solver/linear/sparse_factor.hpp"
 
 namespace palpate {
@@ -18,46 +19,13 @@ namespace {
 
 constexpr int max_refinement_steps = 2;
 
-/// Nodes of no tetrahedron have no stiffness and stay where they are.
-std::vector<Index> number_free_dofs(const ConstrainedSystem& system, Index& num_free) {
-    const Adjacency& graph = system.stiffness().graph;
-    std::vector<Index> number(system.model().num_dofs(), -1);
-    num_free = 0;
-    for (Index d = 0; d < system.model().num_dofs(); ++d) {
-        const bool has_tets = graph.offsets[d / 3 + 1] - graph.offsets[d / 3] > 1;
-        if (has_tets && !system.is_prescribed(d)) number[d] = num_free++;
-    }
-    return number;
-}
-
-/// The lower triangle of K on the free dofs; K is symmetric, so its columns are read off as rows.
-SparseFactor::Lower free_stiffness(const StiffnessMatrix& stiffness,
-                                   const std::vector<Index>& number, Index num_free) {
-    SparseFactor::Lower lower(num_free, num_free);
-    lower.reserve(static_cast<Eigen::Index>(stiffness.blocks.size()) / 2 + num_free);
-    const Adjacency& graph = stiffness.graph;
-    for (Index d = 0; d < static_cast<Index>(number.size()); ++d) {
-        if (number[d] < 0) continue;
-        lower.startVec(number[d]);
-        for (Index k = graph.offsets[d / 3]; k < graph.offsets[d / 3 + 1]; ++k)
-            for (Index i = 0; i < 3; ++i) {
-                const Index other = number[3 * graph.items[k] + i];
-                if (other >= number[d])
-                    lower.insertBack(other, number[d]) =
-                        stiffness.blocks[9 * static_cast<std::size_t>(k) + 3 * (d % 3) + i];
-            }
-    }
-    lower.finalize();
-    return lower;
-}
-
 class DirectSolver final : public LinearSolver {
 public:
     DirectSolver(const Model& model, const LinearSolverOptions& options, std::string reason)
         : options_(options),
           reason_(std::move(reason)),
           system_(model),
-          number_(number_free_dofs(system_, num_free_)),
+          free_(number_free_dofs(system_.stiffness().graph, system_.model().prescribed)),
           factor_(make_sparse_factor(options.direct_library)) {
         factorise();
     }
@@ -110,8 +78,8 @@ public:
 
 private:
     void factorise() {
-        if (num_free_ == 0) return;
-        const SparseFactor::Lower lower = free_stiffness(system_.stiffness(), number_, num_free_);
+        if (free_.count == 0) return;
+        const SparseFactor::Lower lower = free_lower(system_.stiffness(), free_);
         if (!analysed_) factor_->analyse(lower);
         analysed_ = true;
         factor_->factorise(lower);
@@ -140,17 +108,17 @@ private:
 
     /// u_f += K_ff^-1 r_f
     void add_correction(const Columns& r, Columns& u) const {
-        if (num_free_ == 0) return;
+        if (free_.count == 0) return;
         const std::vector<int>& position = factor_->position();
-        FactorBlock y(num_free_, factor_->block_width(static_cast<Index>(r.cols())));
+        FactorBlock y(free_.count, factor_->block_width(static_cast<Index>(r.cols())));
         for (Index d = 0; d < r.rows(); ++d)
-            if (number_[d] >= 0)
-                std::copy_n(r.row(d).data(), r.cols(), y.row(position[number_[d]]));
+            if (free_.number[d] >= 0)
+                std::copy_n(r.row(d).data(), r.cols(), y.row(position[free_.number[d]]));
         factor_->solve(y);
         for (Index d = 0; d < r.rows(); ++d)
-            if (number_[d] >= 0)
-                u.row(d) +=
-                    Eigen::Map<const Eigen::RowVectorXd>(y.row(position[number_[d]]), r.cols());
+            if (free_.number[d] >= 0)
+                u.row(d) += Eigen::Map<const Eigen::RowVectorXd>(y.row(position[free_.number[d]]),
+                                                                 r.cols());
     }
 
     static double largest_ratio(const std::vector<double>& norms,
@@ -173,8 +141,7 @@ private:
     LinearSolverOptions options_;
     std::string reason_;
     ConstrainedSystem system_;
-    Index num_free_ = 0;
-    std::vector<Index> number_;  ///< [num_dofs], number among the free dofs, or -1
+    FreeDofs free_;
     std::unique_ptr<SparseFactor> factor_;
     bool analysed_ = false;
 };

@@ -62,7 +62,7 @@ def test_an_unknown_poisson_ratio_is_searched_too(phantom, tmp_path):
     assert "Poisson's ratio" in finished.stdout
     found = prostate(json.loads((out / "result.json").read_text()))
     low, high = found["searched_poisson_ratio"]["interval"]
-    assert 0.25 <= low <= 0.40 <= high <= 0.49  # true: 0.40
+    assert 0.25 <= low <= 0.40 <= high <= 0.49  # true: 0.40; voxels of 2 mm hardly show it
     assert low <= found["poisson_ratio"] <= high
     assert found["interval_kpa"][0] < 60 < found["interval_kpa"][1]
 

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
-"""Two phantoms of the coverage study, at full size."""
+"""Phantoms at full size."""
 import csv
+import json
 import subprocess
 
-from tests.conftest import PROGRAM
+from tests.conftest import PROGRAM, run_palpate, with_unknown_ratio
 
 
 def test_the_first_phantoms_are_recovered(tmp_path):
@@ -19,3 +20,21 @@ def test_the_first_phantoms_are_recovered(tmp_path):
         assert abs(float(row["error_percent"])) < 35
         assert float(row["landmark_mean_mm"]) < 0.5
         assert row["converged"] == "yes"
+
+
+def test_a_poisson_ratio_that_the_load_shows_is_found(tmp_path):
+    truth = 0.30  # assumed without a search: 0.40
+    folder, out = tmp_path / "phantom", tmp_path / "out"
+    made = run_palpate("phantom", "pelvis", "--seed", 26, "--stiffness-kpa", 160, "--poisson-ratio",
+                       truth, "--out", folder, "--quiet")
+    assert made.returncode == 0, made.stderr
+    config = with_unknown_ratio(folder, tmp_path)
+    finished = run_palpate("recover", folder / "reference.nii.gz", folder / "target.nii.gz",
+                           "--config", config, "--out", out, "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    regions = json.loads((out / "result.json").read_text())["regions"]
+    found = next(region for region in regions if region["name"] == "prostate")
+    low, high = found["searched_poisson_ratio"]["interval"]
+    assert abs(found["poisson_ratio"] - truth) < 0.06
+    assert low < truth < high < 0.40
+    assert found["interval_kpa"][0] < 160 < found["interval_kpa"][1]

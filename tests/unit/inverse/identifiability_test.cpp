@@ -66,11 +66,20 @@ TEST(Identifiability, ModuliThatTradeAreNamed) {
     EXPECT_TRUE(says(judge(evidence), "trades with that of outer zone (correlation -0.96)"));
 }
 
-TEST(Identifiability, ARatioIsJudgedByTheShareOfTheAllowedRange) {
-    EXPECT_EQ(judge_ratio({0.36, 0.43}, {0.25, 0.49}).verdict, "recovered");
-    EXPECT_EQ(judge_ratio({0.30, 0.43}, {0.25, 0.49}).verdict, "weak");
-    EXPECT_EQ(judge_ratio({0.27, 0.48}, {0.25, 0.49}).verdict, "not identifiable");
-    EXPECT_TRUE(says(judge_ratio({0.31, 0.43}, {0.25, 0.49}), "50 %"));
+TEST(Identifiability, ARatioIsJudgedByHowMuchTheImagesNarrowWhatWasAllowed) {
+    RatioEvidence evidence{0.40, {0.06, 0.06}, RatioLimit::none, {0.25, 0.49}};
+    EXPECT_EQ(judge_ratio(evidence).verdict, "recovered");
+    EXPECT_TRUE(says(judge_ratio(evidence), "44 %"));
+    evidence.reach = {0.08, 0.08};
+    EXPECT_EQ(judge_ratio(evidence).verdict, "weak");
+    evidence.reach = {0.2, 0.2};
+    EXPECT_EQ(judge_ratio(evidence).verdict, "not identifiable");
+    EXPECT_EQ(evidence.interval(), (std::array<double, 2>{0.25, 0.49}));
+
+    // At a limit what lies beyond may fit better still.
+    const RatioEvidence at_limit{0.49, {0.06, 0.06}, RatioLimit::highest, {0.25, 0.49}};
+    EXPECT_EQ(judge_ratio(at_limit).verdict, "weak");
+    EXPECT_TRUE(says(judge_ratio(at_limit), "an end of what was allowed"));
 }
 
 TEST(Identifiability, PriorEndsOnlyWiden) {

@@ -34,9 +34,12 @@ TEST(PoissonSearch, FindsTheBestRatioItsIntervalAndWhatItDoesToTheModulus) {
 
     EXPECT_NEAR(found.best.ratios[0], 0.37, 0.008);
     EXPECT_NEAR(std::sqrt(found.covariance(0, 0)), 0.02, 0.002);
-    EXPECT_NEAR(found.interval[0][1] - found.interval[0][0], 2 * 1.96 * 0.02, 0.01);
+    EXPECT_NEAR(found.reach[0][0], 1.96 * 0.02, 0.005);
+    EXPECT_NEAR(found.reach[0][1], 1.96 * 0.02, 0.005);
+    EXPECT_EQ(found.at_limit[0], RatioLimit::none);
+    EXPECT_TRUE(found.converged);
     EXPECT_NEAR(found.theta_slope(0, 0), 2.0, 1e-6);
-    EXPECT_LT(found.evaluations, 15);
+    EXPECT_LT(found.evaluations, 20);
 }
 
 TEST(PoissonSearch, FindsTwoRatiosThatTrade) {
@@ -51,17 +54,36 @@ TEST(PoissonSearch, FindsTwoRatiosThatTrade) {
     EXPECT_LT((found.covariance - covariance).cwiseAbs().maxCoeff(), 2e-5);
 }
 
-TEST(PoissonSearch, WhatTheImagesDoNotShowTakesTheWholeRange) {
+TEST(PoissonSearch, ReachesMinimaOfObjectivesThatSteepenTowardsOneHalf) {
+    const auto steep = [](double ratio) { return -std::log(1 - 2 * ratio); };
     RatioSearchOptions options;
-    const RatioPosterior found = search_ratios(
-        paraboloid(Eigen::VectorXd::Constant(1, 0.37), Eigen::MatrixXd::Constant(1, 1, 100.0)),
-        Eigen::VectorXd::Constant(1, 0.40), options);
-
-    EXPECT_GT(found.interval[0][1] - found.interval[0][0],
-              2.0 / 3.0 * (options.highest - options.lowest));
+    options.first_step = 0.08;
+    for (const double truth : {0.28, 0.34, 0.40, 0.45, 0.47}) {
+        const auto evaluate = [&](const Eigen::VectorXd& ratios) {
+            const double z = (steep(ratios[0]) - steep(truth)) / 0.1;
+            return RatioTrial{ratios, 0.5 * z * z, Eigen::VectorXd::Zero(1)};
+        };
+        const RatioPosterior found =
+            search_ratios(evaluate, Eigen::VectorXd::Constant(1, 0.40), options);
+        EXPECT_LT(found.best.objective, 0.5) << truth;
+        EXPECT_LT(std::abs(found.best.ratios[0] - truth), 0.01) << truth;
+    }
 }
 
-TEST(PoissonSearch, AtALimitTheIntervalIsOneSided) {
+TEST(PoissonSearch, WhatTheImagesDoNotShowReachesPastTheWholeRange) {
+    RatioSearchOptions options;
+    const double range = options.highest - options.lowest;
+    for (const double slope : {0.0, -2.0}) {
+        const auto flat = [&](const Eigen::VectorXd& ratios) {
+            return RatioTrial{ratios, slope * ratios[0], Eigen::VectorXd::Zero(1)};
+        };
+        const RatioPosterior found =
+            search_ratios(flat, Eigen::VectorXd::Constant(1, 0.40), options);
+        EXPECT_GT(found.reach[0][0], 0.75 * range) << slope;
+    }
+}
+
+TEST(PoissonSearch, AtALimitOnlyTheInsideIsKnown) {
     RatioSearchOptions options;
     const double sd = 0.02, beyond = 0.06;
     const RatioPosterior found =
@@ -70,10 +92,10 @@ TEST(PoissonSearch, AtALimitTheIntervalIsOneSided) {
                       Eigen::VectorXd::Constant(1, 0.40), options);
 
     EXPECT_NEAR(found.best.ratios[0], options.highest, 1e-9);
-    EXPECT_EQ(found.interval[0][1], options.highest);
+    EXPECT_EQ(found.at_limit[0], RatioLimit::highest);
     // (beyond + d)^2 / 2 sd^2 rises by 1.92 over its value at d = 0.
     const double expected = std::sqrt(beyond * beyond + 2 * 1.920729 * sd * sd) - beyond;
-    EXPECT_NEAR(options.highest - found.interval[0][0], expected, 1e-3);
+    EXPECT_NEAR(found.reach[0][0], expected, 1e-3);
 }
 
 TEST(PoissonSearch, StaysInsideTheRangeAndLetsErrorsThrough) {
@@ -91,11 +113,27 @@ TEST(PoissonSearch, StaysInsideTheRangeAndLetsErrorsThrough) {
     EXPECT_THROW(search_ratios(broken, Eigen::VectorXd::Constant(1, 0.4), options), Error);
 }
 
-TEST(PoissonSearch, TheModelsOwnErrorWidensAnIntervalInsideTheRange) {
-    const auto wide = with_ratio_model_error({0.38, 0.42}, 0.40, {0.25, 0.41});
+TEST(PoissonSearch, AnObjectiveThatIsNoNumberIsAnError) {
+    const auto broken = [](const Eigen::VectorXd& ratios) {
+        return RatioTrial{ratios, std::nan(""), Eigen::VectorXd::Zero(1)};
+    };
+    EXPECT_THROW(search_ratios(broken, Eigen::VectorXd::Constant(1, 0.4), {}), Error);
+}
 
-    EXPECT_NEAR(wide[0], 0.40 - std::hypot(0.02, 1.96 * ratio_model_sd), 1e-12);
-    EXPECT_EQ(wide[1], 0.41);
+TEST(PoissonSearch, TooFewTrialsAreReported) {
+    RatioSearchOptions options;
+    options.max_evaluations = 4;
+    EXPECT_FALSE(search_ratios(paraboloid(Eigen::VectorXd::Constant(1, 0.3),
+                                          Eigen::MatrixXd::Constant(1, 1, 1e-4)),
+                               Eigen::VectorXd::Constant(1, 0.4), options)
+                     .converged);
+}
+
+TEST(PoissonSearch, TheModelsOwnErrorWidensAReach) {
+    const auto wide = with_ratio_model_error({0.02, 0.0});
+
+    EXPECT_NEAR(wide[0], std::hypot(0.02, 1.96 * ratio_model_sd), 1e-12);
+    EXPECT_NEAR(wide[1], 1.96 * ratio_model_sd, 1e-12);
 }
 
 }  // namespace

@@ -128,12 +128,21 @@ TEST(Settings, AnUnknownPoissonRatioIsReadAndWrittenAsSuch) {
     EXPECT_TRUE(s.has_unknown_poisson_ratio());
     EXPECT_TRUE(parse_settings(to_toml(s), "written").organs[0].poisson_unknown);
 
-    EXPECT_FALSE(parse_settings(full_example, "organs.toml").has_unknown_poisson_ratio());
+    const Settings known = parse_settings(full_example, "organs.toml");
+    EXPECT_FALSE(known.has_unknown_poisson_ratio());
+    EXPECT_EQ(to_toml(known).find("poisson_lowest"), std::string::npos);
     expect_mentions(complaint(background + organ(tissue + "poisson_ratio = \"soft\"")),
                     {"poisson_ratio", "soft", "unknown", "0.499"});
     expect_mentions(complaint("[prior]\npoisson_lowest = 0.4\npoisson_highest = 0.41\n" +
                               background + organ(tissue)),
                     {"poisson_highest", "0.02", "poisson_lowest"});
+    expect_mentions(complaint("[prior]\npoisson_lowest = 0.48\n" + background + organ(tissue)),
+                    {"poisson_lowest", "0.49", "0.02"});
+    EXPECT_DOUBLE_EQ(parse_settings("[prior]\npoisson_lowest = 0.40\npoisson_highest = 0.42\n" +
+                                        background + organ(tissue),
+                                    "organs.toml")
+                         .prior.poisson_highest,
+                     0.42);
 }
 
 TEST(Settings, UnknownKeysAreRefusedWithAGuess) {

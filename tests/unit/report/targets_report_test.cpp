@@ -51,6 +51,20 @@ TEST(TargetsTable, ListsEveryUnknownRegionAndWhatWentWrong) {
     EXPECT_EQ(text.find("one: "), std::string::npos) << text;
 }
 
+TEST(TargetsTable, ListsPoissonRatiosThatWereSearched) {
+    RecoveryResult result = synthetic_result();
+    result.regions[1].poisson_ratio = 0.42;
+    result.regions[1].ratio = RatioResult{{0.38, 0.46}, "recovered", "narrow"};
+    const std::vector<TargetRow> rows{target_row("one", result, 2.5), failed_row("two", "no")};
+
+    const std::string table = targets_table(rows);
+
+    EXPECT_NE(table.find("0.38 to 0.46"), std::string::npos) << table;
+    EXPECT_NE(targets_csv(rows).find(",0.42,0.38,0.46,\"recovered\"\n"), std::string::npos);
+    EXPECT_EQ(targets_table({target_row("one", synthetic_result(), 2.5)}).find("Poisson"),
+              std::string::npos);
+}
+
 TEST(TargetsCsv, HasTheSameFieldsInEveryLine) {
     const std::vector<TargetRow> rows{target_row("one", synthetic_result(), 2.5),
                                       failed_row("a \"bad\" one", "no")};
@@ -59,8 +73,9 @@ TEST(TargetsCsv, HasTheSameFieldsInEveryLine) {
 
     const auto lines = 1 + rows[0].unknown.size() + 1;
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), static_cast<std::ptrdiff_t>(lines));
-    EXPECT_EQ(separators(text), 8 * lines);
-    EXPECT_NE(text.find("\"a \"\"bad\"\" one\",\"\",,,,\"failed\",0,,\"no\"\n"), std::string::npos)
+    EXPECT_EQ(separators(text), 12 * lines);
+    EXPECT_NE(text.find("\"a \"\"bad\"\" one\",\"\",,,,\"failed\",0,,\"no\",,,,\n"),
+              std::string::npos)
         << text;
 }
 
