@@ -8,7 +8,7 @@
 // The formulas and their reasons are those of solver/materials/finite_strain.hpp.
 #define SMALLEST_VOLUME_RATIO ((real)1e-6f)
 #define LARGEST_SQUARE_STRETCH ((real)1e4f)
-#define LARGEST_STRESS_KPA ((real)1e20f)
+#define LARGEST_STRESS_KPA ((real)1e15f)
 
 typedef struct {
     real f[9];                   // F

@@ -12,7 +12,7 @@ namespace palpate {
 /// lost the state, and no tissue gets there.
 constexpr double smallest_volume_ratio = 1e-6;
 constexpr double largest_square_stretch = 1e4;
-constexpr double largest_stress_kpa = 1e20;
+constexpr double largest_stress_kpa = 1e15;
 
 /// Strain measures of F = I + H that stay exact in relative terms as H goes to zero. With the
 /// Green strain E = (H + H^T + H^T H) / 2 and C = F^T F = I + 2 E:
