@@ -52,3 +52,82 @@ static inline void add_material_block(const material* law, const real* g, const 
         block[4 * i] += diagonal;
     }
 }
+
+// The same law as one of the laws of large deformation, with the fixed names that
+// finite_strain_law.cl has for the others. LAW_COEFFICIENTS numbers per material, kPa: mu, lambda,
+// their derivatives by stiffness and by Poisson's ratio: mu', mu', lambda', lambda'.
+#define LAW_COEFFICIENTS 6
+#define LAW_PARAMETERS 2
+
+typedef struct {
+    real mu;
+    real lambda;
+    real mu_slope[2];
+    real lambda_slope[2];
+} material_law;
+
+typedef struct {
+    real twice_strain[9];  // H + H^T
+    int is_valid;          // 0 only for numbers that are not finite
+} law_state;
+
+static inline material_law load_law(global const real* coefficients, int region) {
+    global const real* c = coefficients + LAW_COEFFICIENTS * region;
+    const material_law l = {c[0], c[1], {c[2], c[3]}, {c[4], c[5]}};
+    return l;
+}
+
+static inline law_state state_of_law(const material_law* l, const real* h) {
+    law_state s;
+    real size = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            s.twice_strain[3 * i + j] = h[3 * i + j] + h[3 * j + i];
+            size += fabs(s.twice_strain[3 * i + j]);
+        }
+    s.is_valid = size < (real)1e10f;
+    for (int i = 0; i < 9; ++i) s.twice_strain[i] = s.is_valid ? s.twice_strain[i] : (real)0;
+    return s;
+}
+
+static inline void linear_stress(real mu, real lambda, const real* twice_strain, real* stress) {
+    const real pressure = lambda / 2 * (twice_strain[0] + twice_strain[4] + twice_strain[8]);
+    for (int i = 0; i < 9; ++i) stress[i] = mu * twice_strain[i];
+    for (int i = 0; i < 9; i += 4) stress[i] += pressure;
+}
+
+static inline real linear_energy(real mu, real lambda, const real* twice_strain) {
+    real stress[9];
+    linear_stress(mu, lambda, twice_strain, stress);
+    real sum = 0;
+    for (int i = 0; i < 9; ++i) sum += stress[i] * twice_strain[i];
+    return sum / 4;
+}
+
+static inline real law_energy(const material_law* l, const law_state* s) {
+    return s->is_valid ? linear_energy(l->mu, l->lambda, s->twice_strain) : (real)INFINITY;
+}
+
+static inline void law_stress(const material_law* l, const law_state* s, real* stress) {
+    linear_stress(l->mu, l->lambda, s->twice_strain, stress);
+}
+
+static inline tensor3 law_tangent_apply(const material_law* l, const law_state* s,
+                                        const tensor3* df) {
+    const tensor3 strain = symmetric_part(df);
+    const columns pressure = l->lambda * trace(&strain);
+    tensor3 dp;
+    for (int i = 0; i < 9; ++i) dp.m[i] = (2 * l->mu) * strain.m[i];
+    for (int i = 0; i < 9; i += 4) dp.m[i] += pressure;
+    for (int i = 0; i < 9; ++i) dp.m[i] = s->is_valid ? dp.m[i] : (columns)(0);
+    return dp;
+}
+
+static inline real law_parameter_energy(const material_law* l, const law_state* s, int k) {
+    return linear_energy(l->mu_slope[k], l->lambda_slope[k], s->twice_strain);
+}
+
+static inline void law_parameter_stress(const material_law* l, const law_state* s, int k,
+                                        real* stress) {
+    linear_stress(l->mu_slope[k], l->lambda_slope[k], s->twice_strain, stress);
+}

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "solver/base/error.hpp"
+#include "solver/materials/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -17,17 +18,36 @@ std::string_view file_text(std::string_view name) {
                     " is not embedded: list it in solver/backends/opencl/CMakeLists.txt.");
 }
 
+/// The files of a law in the order in which they need each other; its own is named after it.
+std::string material_text(std::string_view law) {
+    std::string own = "materials/" + std::string(material_law(law).name) + ".cl";
+    std::replace(own.begin(), own.end(), '-', '_');
+    if (law == "linear") return std::string(file_text(own));
+    std::string text(file_text("materials/finite_strain.cl"));
+    text += file_text("materials/reduced_invariants.cl");
+    text += file_text(own);
+    text += file_text("materials/finite_strain_law.cl");
+    return text;
+}
+
 }  // namespace
 
 const std::vector<std::string>& program_names() {
     static const std::vector<std::string> names = {
-        "conjugate_gradients", "diagonal_blocks", "element_geometry",   "gather_to_nodes",
-        "inverse_diagonal",    "multiply_blocks", "parameter_gradient", "stiffness_apply",
-        "stiffness_blocks",    "vector_ops"};
+        "conjugate_gradients", "diagonal_blocks",  "element_geometry", "gather_to_nodes",
+        "inverse_diagonal",    "material_point",   "multiply_blocks",  "parameter_gradient",
+        "stiffness_apply",     "stiffness_blocks", "vector_ops"};
     return names;
 }
 
-std::string program_text(std::string_view program) {
+std::vector<std::string> laws_of_program(std::string_view program) {
+    if (program != "material_point") return {"linear"};
+    std::vector<std::string> names;
+    for (const MaterialDescription& law : material_laws()) names.emplace_back(law.name);
+    return names;
+}
+
+std::string program_text(std::string_view program, std::string_view law) {
     const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
         return std::find(names.begin(), names.end(), program) != names.end();
     };
@@ -38,8 +58,8 @@ std::string program_text(std::string_view program) {
     if (is_one_of({"gather_to_nodes", "multiply_blocks"})) text += file_text("row_result.cl");
     if (!over_parts && program != "vector_ops") {
         text += file_text("tensor3.cl");
-        text += file_text("elements/tet4.cl");
-        text += file_text("materials/linear.cl");
+        if (program != "material_point") text += file_text("elements/tet4.cl");
+        text += material_text(law);
     }
     text += file_text(std::string(program) + ".cl");
     return text;

@@ -23,10 +23,14 @@ TEST(KernelSyntax, EveryCombinationPassesClangAsOpenclC12) {
         std::filesystem::temp_directory_path() / fmt::format("palpate-syntax-{}", getpid());
     std::filesystem::create_directories(folder);
     std::string script = "set -e\n";
-    for (const std::string& program : program_names()) {
-        const auto file = folder / (program + ".cl");
-        std::ofstream(file) << program_text(program);
-        const std::string text = program_text(program);
+    std::vector<std::pair<std::string, std::string>> combinations;
+    for (const std::string& program : program_names())
+        for (const std::string& law : laws_of_program(program))
+            combinations.emplace_back(program, law);
+    for (const auto& [program, law] : combinations) {
+        const auto file = folder / (program + "-" + law + ".cl");
+        const std::string text = program_text(program, law);
+        std::ofstream(file) << text;
         // Every define that the program knows, with all its values.
         std::vector<std::string> variants = {""};
         for (const auto& [define, values] :
@@ -76,6 +80,10 @@ TEST(KernelSyntax, EveryCombinationPassesClangAsOpenclC12) {
 }
 
 TEST(KernelText, UnknownProgramIsAnError) { EXPECT_THROW(program_text("no_such_loop"), Error); }
+
+TEST(KernelText, UnknownLawIsAnError) {
+    EXPECT_THROW(program_text("material_point", "no-such-law"), Error);
+}
 
 TEST(KernelText, StartsWithTheNumberTypesAndEndsWithTheLoop) {
     const std::string text = program_text("stiffness_apply");

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "solver/base/tensor3.hpp"
+
+// What a law answers at one point once the formulation has had its say.
+namespace palpate {
+
+/// The law as it is: in space, in plane strain and about an axis H is known completely.
+template <class Law>
+class FullResponse {
+public:
+    using State = typename Law::State;
+
+    FullResponse(const Law& law, const Tensor3<double>& h) : law_(law), state_(law.state(h)) {}
+
+    bool is_valid() const { return state_.is_valid; }
+    double energy() const { return law_.energy(state_); }
+    Tensor3<double> stress() const { return law_.stress(state_); }
+    Tensor3<double> tangent_apply(const Tensor3<double>& dh) const {
+        return law_.tangent_apply(state_, dh);
+    }
+
+private:
+    const Law& law_;
+    State state_;
+};
+
+/// Plane stress: H_zz is such that P_zz = 0, found by Newton, and its change is condensed out of
+/// the tangent: dP = A dH - A e_zz (A_zz,zz)^-1 (A dH)_zz.
+template <class Law>
+class PlaneStressResponse {
+public:
+    using State = typename Law::State;
+
+    PlaneStressResponse(const Law& law, Tensor3<double> h) : law_(law), state_(law.state(h)) {
+        constexpr int most_steps = 50;
+        constexpr double small_step = 1e-14;
+        for (int step = 0; step < most_steps; ++step) {
+            if (!state_.is_valid) return;
+            across_ = law_.tangent_apply(state_, unit_across());
+            if (!(across_.m[8] > 0)) break;
+            double change = -law_.stress(state_).m[8] / across_.m[8];
+            State next = with_across(h, change);
+            while (!next.is_valid && std::abs(change) > small_step) {
+                change *= 0.5;
+                next = with_across(h, change);
+            }
+            h.m[8] += change;
+            state_ = next;
+            if (std::abs(change) <= small_step * (1 + std::abs(h.m[8]))) {
+                across_ = law_.tangent_apply(state_, unit_across());
+                is_solved_ = across_.m[8] > 0;
+                return;
+            }
+        }
+    }
+
+    bool is_valid() const { return state_.is_valid && is_solved_; }
+    double energy() const { return law_.energy(state_); }
+    Tensor3<double> stress() const { return law_.stress(state_); }
+    Tensor3<double> tangent_apply(const Tensor3<double>& dh) const {
+        Tensor3<double> dp = law_.tangent_apply(state_, dh);
+        const double change = -dp.m[8] / across_.m[8];
+        for (int i = 0; i < 9; ++i) dp.m[i] += change * across_.m[i];
+        return dp;
+    }
+
+private:
+    static Tensor3<double> unit_across() {
+        Tensor3<double> unit{};
+        unit.m[8] = 1;
+        return unit;
+    }
+    State with_across(Tensor3<double> h, double change) const {
+        h.m[8] += change;
+        return law_.state(h);
+    }
+
+    const Law& law_;
+    State state_;
+    Tensor3<double> across_{};
+    bool is_solved_ = false;
+};
+
+}  // namespace palpate

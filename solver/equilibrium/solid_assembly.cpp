@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/equilibrium/solid_assembly.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
+#include "solver/equilibrium/element_response.hpp"
+#include "solver/materials/registry.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr Index elements_per_thread = 64;
+
+template <typename Laws>
+struct VariantOf;
+template <typename... Laws>
+struct VariantOf<std::tuple<Laws...>> {
+    using Type = std::variant<Laws...>;
+};
+using AnyLaw = VariantOf<MaterialLaws<double>>::Type;
+
+AnyLaw law_of(const SolidMaterial& material) {
+    std::optional<AnyLaw> found;
+    with_material_law<double>(material.law, material.parameters,
+                              [&](const auto& law) { found = law; });
+    return *found;
+}
+
+}  // namespace
+
+struct SolidAssembly::Tables {
+    SolidModel model;
+    std::vector<PointGeometry> geometry;
+    Adjacency graph;
+    Adjacency colours;
+    std::vector<AnyLaw> laws;  ///< by region
+    /// [num_elements, nodes, nodes] places of the element's blocks in the matrix.
+    std::vector<Index> blocks;
+
+    explicit Tables(const SolidModel& from);
+    ElementPoints points_of(Index element) const;
+    void find_blocks();
+    /// Calls work(element) for all, elements that share a node never at the same time.
+    template <class Work>
+    void for_each_element(Work&& work) const;
+};
+
+SolidAssembly::Tables::Tables(const SolidModel& from) : model(from) {
+    check_model(model);
+    geometry = point_geometry(model.mesh);
+    graph = node_graph(model.mesh);
+    colours = element_colours(model.mesh);
+    for (const SolidMaterial& material : model.materials) laws.push_back(law_of(material));
+    find_blocks();
+}
+
+void SolidAssembly::Tables::find_blocks() {
+    for (Index e = 0; e < model.mesh.num_elements(); ++e)
+        for (const Index a : model.mesh.nodes_of(e))
+            for (const Index b : model.mesh.nodes_of(e)) {
+                const auto row = graph.items.begin() + graph.offsets[a];
+                const auto end = graph.items.begin() + graph.offsets[a + 1];
+                blocks.push_back(
+                    static_cast<Index>(std::lower_bound(row, end, b) - graph.items.begin()));
+            }
+}
+
+ElementPoints SolidAssembly::Tables::points_of(Index element) const {
+    const int points = model.mesh.table().num_points;
+    return {model.mesh.nodes_of(element),
+            {geometry.data() + static_cast<std::size_t>(element) * points,
+             static_cast<std::size_t>(points)},
+            model.mesh.formulation,
+            model.volume};
+}
+
+template <class Work>
+void SolidAssembly::Tables::for_each_element(Work&& work) const {
+    for (Index c = 0; c < colours.num_lists(); ++c) {
+        const Index first = colours.offsets[c], count = colours.offsets[c + 1] - first;
+        parallel_ranges(count, elements_per_thread, [&](Index begin, Index end) {
+            for (Index k = begin; k < end; ++k) work(colours.items[first + k]);
+        });
+    }
+}
+
+SolidAssembly::SolidAssembly(const SolidModel& model)
+    : tables_(std::make_unique<const Tables>(model)) {}
+
+SolidAssembly::~SolidAssembly() = default;
+
+const SolidModel& SolidAssembly::model() const { return tables_->model; }
+
+InternalForce SolidAssembly::internal_force(const Eigen::VectorXd& u) const {
+    const Tables& tables = *tables_;
+    InternalForce result;
+    result.force.setZero(tables.model.num_dofs());
+    std::vector<double> energy(tables.model.mesh.region.size());
+    tables.for_each_element([&](Index e) {
+        const ElementPoints points = tables.points_of(e);
+        std::visit(
+            [&](const auto& law) {
+                const ElementForce found = element_force(law, points, u);
+                energy[e] = found.energy;
+                for (std::size_t a = 0; a < points.nodes.size(); ++a)
+                    result.force.segment<3>(3 * points.nodes[a]) += found.force[a];
+            },
+            tables.laws[tables.model.mesh.region[e]]);
+    });
+    for (const double part : energy) result.energy += part;
+    result.is_valid = std::isfinite(result.energy) && result.force.allFinite();
+    if (!result.is_valid) result.energy = std::numeric_limits<double>::infinity();
+    return result;
+}
+
+BlockMatrix SolidAssembly::make_matrix() const {
+    BlockMatrix matrix;
+    matrix.graph = tables_->graph;
+    matrix.num_columns = tables_->model.mesh.num_nodes();
+    matrix.blocks.assign(9 * matrix.graph.items.size(), 0.0);
+    return matrix;
+}
+
+void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const {
+    const Tables& tables = *tables_;
+    std::fill(matrix.blocks.begin(), matrix.blocks.end(), 0.0);
+    tables.for_each_element([&](Index e) {
+        const ElementPoints points = tables.points_of(e);
+        const std::size_t n = points.nodes.size();
+        ElementStiffness stiffness;
+        std::visit([&](const auto& law) { element_tangent(law, points, u, stiffness); },
+                   tables.laws[tables.model.mesh.region[e]]);
+        for (std::size_t a = 0; a < n; ++a)
+            for (std::size_t b = 0; b < n; ++b) {
+                double* block = matrix.block(tables.blocks[(e * n + a) * n + b]);
+                for (int i = 0; i < 3; ++i)
+                    for (int j = 0; j < 3; ++j) block[3 * i + j] += stiffness(3 * a + i, 3 * b + j);
+            }
+    });
+}
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "solver/model/block_matrix.hpp"
+#include "solver/model/solid_model.hpp"
+
+namespace palpate {
+
+/// What a displacement stores and how it pushes back.
+struct InternalForce {
+    double energy = 0;      ///< mN mm; infinite if not valid
+    Eigen::VectorXd force;  ///< [3 num_nodes] mN, dW/du
+    bool is_valid = true;   ///< false where matter is inverted at any point
+};
+
+/// Energy, forces and stiffness of a SolidModel at a displacement (total Lagrangian: all integrals
+/// over the undeformed mesh), on the host in fp64. Elements of one colour (`element_colours`) are
+/// added at the same time, colours one after the other, so that sums have a fixed order.
+class SolidAssembly {
+public:
+    /// Copies the model. Throws Error(invalid_argument) as `check_model` and `point_geometry` do.
+    explicit SolidAssembly(const SolidModel& model);
+    ~SolidAssembly();
+
+    const SolidModel& model() const;
+    /// u [3 num_nodes] mm.
+    InternalForce internal_force(const Eigen::VectorXd& u) const;
+    /// A matrix of the right pattern, all zeros.
+    BlockMatrix make_matrix() const;
+    /// K = dF/du at u into a matrix of `make_matrix`, mN/mm, without regard to prescribed dofs;
+    /// symmetric. Points that are not valid add nothing.
+    void tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
+
+private:
+    struct Tables;
+    std::unique_ptr<const Tables> tables_;
+};
+
+}  // namespace palpate

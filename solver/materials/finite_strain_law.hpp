@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "solver/materials/finite_strain.hpp"
+
+namespace palpate {
+
+/// What a hyperelastic law is at one state. Every isotropic law here has the Mandel stress
+///   F^T P = shear 2 e + pressure I,
+/// and with M = F^-1 dF, g = tr M = d ln J and dt = tr dE / 3 the changes
+///   d shear = shear_by_distortion (2 e : M) + shear_by_volume g,
+///   d pressure = pressure_by_volume g + pressure_by_strain dt.     All in kPa.
+template <typename Real>
+struct Response {
+    Real energy;
+    Real shear;
+    Real shear_by_distortion;
+    Real shear_by_volume;
+    Real pressure;
+    Real pressure_by_volume;
+    Real pressure_by_strain;
+};
+
+/// Derivatives of a response by one parameter.
+template <typename Real>
+struct ParameterResponse {
+    Real energy;
+    Real shear;
+    Real pressure;
+};
+
+template <typename Real>
+struct FiniteStrainState {
+    FiniteStrain<Real> strain;
+    Response<Real> response;
+    bool is_valid;
+};
+
+/// From a response to energy, stress and tangent, the same for every law. A law derives from it and
+/// has `response(strain)` and `parameter_response(strain, k)`.
+/// (Holzapfel, Nonlinear Solid Mechanics, 2000, chapter 6, in other variables.)
+template <class Law, typename Real>
+struct FiniteStrainLaw {
+    using Number = Real;
+    using State = FiniteStrainState<Real>;
+
+    PALPATE_DEVICE State state(const Tensor3<Real>& h) const {
+        State s;
+        s.strain = finite_strain(h);
+        s.response = law().response(s.strain);
+        s.is_valid = s.strain.is_valid;
+        const Tensor3<Real> p = stress(s);
+        Real size = 0;
+        for (int i = 0; i < 9; ++i) size += fabs(p.m[i]);
+        s.is_valid = s.is_valid && size < Real(largest_stress_kpa);  // false for NaN
+        if (!s.is_valid) s.response = {Real(HUGE_VAL), 0, 0, 0, 0, 0, 0};
+        return s;
+    }
+
+    PALPATE_DEVICE Real energy(const State& s) const { return s.response.energy; }
+
+    PALPATE_DEVICE Tensor3<Real> stress(const State& s) const {
+        return mandel_to_piola(s, s.response.shear, s.response.pressure);
+    }
+
+    /// dP = F^-T (d(F^T P) - M^T F^T P).
+    PALPATE_DEVICE Tensor3<Real> tangent_apply(const State& s, const Tensor3<Real>& df) const {
+        const Tensor3<Real>& twice_e = s.strain.twice_deviator;
+        const Response<Real>& r = s.response;
+        const Tensor3<Real> m = transposed_times(s.strain.inverse_transposed, df);
+        const Tensor3<Real> twice_de = twice_symmetric_part(transposed_times(s.strain.f, df));
+        const Real g = trace(m);
+        const Real dt = trace(twice_de) / 6;
+        const Real d_shear = r.shear_by_distortion * double_dot(twice_e, m) + r.shear_by_volume * g;
+        const Real d_pressure = r.pressure_by_volume * g + r.pressure_by_strain * dt;
+
+        Tensor3<Real> d = transposed_times(m, twice_e);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const int ij = 3 * i + j;
+                d.m[ij] = d_shear * twice_e.m[ij] + r.shear * (twice_de.m[ij] - d.m[ij]) -
+                          r.pressure * m.m[3 * j + i];
+            }
+        add_diagonal(d, d_pressure - 2 * dt * r.shear);
+        return times(s.strain.inverse_transposed, d);
+    }
+
+    PALPATE_DEVICE Real parameter_energy(const State& s, int k) const {
+        return s.is_valid ? law().parameter_response(s.strain, k).energy : Real(0);
+    }
+
+    PALPATE_DEVICE Tensor3<Real> parameter_stress(const State& s, int k) const {
+        if (!s.is_valid) return Tensor3<Real>{};
+        const ParameterResponse<Real> r = law().parameter_response(s.strain, k);
+        return mandel_to_piola(s, r.shear, r.pressure);
+    }
+
+private:
+    PALPATE_DEVICE const Law& law() const { return static_cast<const Law&>(*this); }
+
+    /// F^-T (shear 2 e + pressure I)
+    PALPATE_DEVICE static Tensor3<Real> mandel_to_piola(const State& s, Real shear, Real pressure) {
+        Tensor3<Real> mandel = scaled(s.strain.twice_deviator, shear);
+        add_diagonal(mandel, pressure);
+        return times(s.strain.inverse_transposed, mandel);
+    }
+};
+
+}  // namespace palpate

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "solver/materials/material.hpp"
+#include "solver/materials/reduced_invariants.hpp"
+
+namespace palpate {
+
+/// Neo-Hookean law in reduced invariants, W = mu x + kappa/2 (J - 1)^2.
+template <typename Real>
+struct NeoHookeanReducedLaw : FiniteStrainLaw<NeoHookeanReducedLaw<Real>, Real> {
+    Real mu;
+    Real kappa;
+
+    static MaterialDescription description() {
+        return {"neo-hookean-reduced",
+                "Neo-Hookean in reduced invariants: mu (J1 - 3) + kappa/2 (J - 1)^2.",
+                {{"mu_kpa", "kPa", above(0), "half the shear modulus at small strains"},
+                 {"kappa_kpa", "kPa", above(0), "bulk modulus at small strains"}}};
+    }
+    static NeoHookeanReducedLaw from_parameters(const double* values) {
+        NeoHookeanReducedLaw law;
+        law.mu = static_cast<Real>(values[0]);
+        law.kappa = static_cast<Real>(values[1]);
+        return law;
+    }
+    static SmallStrainModuli small_strain(const double* values) {
+        return moduli_of_shear_and_bulk(2 * values[0], values[1]);
+    }
+
+    PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
+        const Real x = distortion(strain);
+        return reduced_response(strain, x, Potential<Real>{mu * x, mu, 0}, kappa);
+    }
+
+    PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
+                                                              int k) const {
+        const Real x = distortion(strain);
+        return k == 0 ? reduced_parameter_response(strain, x, x, Real(1), Real(0))
+                      : reduced_parameter_response(strain, x, Real(0), Real(0), Real(1));
+    }
+};
+
+}  // namespace palpate

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "solver/materials/finite_strain_law.hpp"
+
+// Laws W = psi(x) + kappa/2 (J - 1)^2 in the reduced invariants x = J1 - 3, J1 = I1 I3^(-1/3), and
+// J = sqrt(I3). At small strains x = 2 e:e, so the shear modulus is 2 psi'(0), the bulk modulus
+// kappa.
+namespace palpate {
+
+/// psi and its first two derivatives by x, kPa.
+template <typename Real>
+struct Potential {
+    Real value;
+    Real first;
+    Real second;
+};
+
+/// x = 3 ((I3 / (I1/3)^3)^(-1/3) - 1)
+template <typename Real>
+PALPATE_DEVICE Real distortion(const FiniteStrain<Real>& strain) {
+    return 3 * expm1(-strain.log_distortion / 3);
+}
+
+/// I3^(-1/3) = J1 / I1
+template <typename Real>
+PALPATE_DEVICE Real reduced_scale(const FiniteStrain<Real>& strain, Real x) {
+    return (1 + x / 3) / strain.square_stretch;
+}
+
+/// shear = 2 psi' I3^(-1/3) and pressure = kappa J (J - 1), with dx = 2 I3^(-1/3) (2 e : M).
+template <typename Real>
+PALPATE_DEVICE Response<Real> reduced_response(const FiniteStrain<Real>& strain, Real x,
+                                               const Potential<Real>& psi, Real kappa) {
+    const Real scale = reduced_scale(strain, x);
+    const Real change = strain.volume_change;
+    const Real stiff_volume = kappa * (1 + change);
+    Response<Real> r;
+    r.energy = psi.value + kappa / 2 * change * change;
+    r.shear = 2 * psi.first * scale;
+    r.shear_by_distortion = 4 * psi.second * scale * scale;
+    r.shear_by_volume = -2 * r.shear / 3;
+    r.pressure = stiff_volume * change;
+    r.pressure_by_volume = stiff_volume * (1 + 2 * change);
+    r.pressure_by_strain = 0;
+    return r;
+}
+
+/// The same by a parameter, from the derivatives of psi, psi' and kappa by it.
+template <typename Real>
+PALPATE_DEVICE ParameterResponse<Real> reduced_parameter_response(const FiniteStrain<Real>& strain,
+                                                                  Real x, Real psi, Real psi_first,
+                                                                  Real kappa) {
+    const Real change = strain.volume_change;
+    return {psi + kappa / 2 * change * change, 2 * psi_first * reduced_scale(strain, x),
+            kappa * (1 + change) * change};
+}
+
+}  // namespace palpate

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/materials/registry.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <string>
+
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+template <class... Laws>
+std::vector<MaterialDescription> descriptions(const std::tuple<Laws...>*) {
+    return {Laws::description()...};
+}
+
+/// "above 0", "0 or more and below 0.5"
+std::string range_text(const ParameterRange& range) {
+    const bool has_lowest = range.lowest > -std::numeric_limits<double>::infinity();
+    const bool has_highest = range.highest < std::numeric_limits<double>::infinity();
+    std::string text;
+    if (has_lowest)
+        text = range.includes_lowest ? fmt::format("{} or more", range.lowest)
+                                     : fmt::format("above {}", range.lowest);
+    if (has_lowest && has_highest) text += " and ";
+    if (has_highest)
+        text += range.includes_highest ? fmt::format("at most {}", range.highest)
+                                       : fmt::format("below {}", range.highest);
+    return text;
+}
+
+}  // namespace
+
+const std::vector<MaterialDescription>& material_laws() {
+    static const auto laws = descriptions(static_cast<MaterialLaws<double>*>(nullptr));
+    return laws;
+}
+
+const MaterialDescription& material_law(std::string_view name) {
+    std::string known;
+    for (const MaterialDescription& law : material_laws()) {
+        if (law.name == name) return law;
+        known += (known.empty() ? "" : ", ") + std::string(law.name);
+    }
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("There is no material law \"{}\"; choose one of: {}.", name, known));
+}
+
+void check_parameters(const MaterialDescription& law, std::span<const double> values) {
+    if (values.size() != law.parameters.size())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("The material law {} has {} parameters, but {} values were given.",
+                                law.name, law.parameters.size(), values.size()));
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        const MaterialParameter& parameter = law.parameters[k];
+        if (!parameter.range.contains(values[k]))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("The material law {} has {} = {}, which must be {} ({}).",
+                                    law.name, parameter.name, values[k],
+                                    range_text(parameter.range), parameter.meaning));
+    }
+}
+
+SmallStrainModuli small_strain_moduli(std::string_view name, std::span<const double> values) {
+    SmallStrainModuli moduli;
+    with_material_law<double>(name, values,
+                              [&](const auto& law) { moduli = law.small_strain(values.data()); });
+    return moduli;
+}
+
+std::vector<double> material_coefficients(std::string_view name, std::span<const double> values) {
+    std::vector<double> coefficients;
+    with_material_law<double>(name, values, [&](const auto& law) {
+        const auto members = std::bit_cast<std::array<double, sizeof law / sizeof(double)>>(law);
+        coefficients.assign(members.begin(), members.end());
+    });
+    return coefficients;
+}
+
+}  // namespace palpate

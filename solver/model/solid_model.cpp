@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/model/solid_model.hpp"
+
+#include "solver/base/error.hpp"
+#include "solver/materials/registry.hpp"
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::invalid_argument, why); }
+
+}  // namespace
+
+void check_model(const SolidModel& model) {
+    check_mesh(model.mesh);
+    for (const SolidMaterial& material : model.materials)
+        check_parameters(material_law(material.law), material.parameters);
+    for (Index e = 0; e < model.mesh.num_elements(); ++e) {
+        if (model.mesh.region[e] < static_cast<Index>(model.materials.size())) continue;
+        refuse("element " + std::to_string(e) + " is in region " +
+               std::to_string(model.mesh.region[e]) + "; there are materials for " +
+               std::to_string(model.materials.size()) + " regions");
+    }
+    if (model.prescribed.size() != static_cast<std::size_t>(model.num_dofs())) {
+        refuse("the flags of prescribed displacements must be 3 per node");
+    }
+    if (model.mesh.formulation == Formulation::solid) return;
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
+        if (!model.prescribed[3 * n + 2]) {
+            refuse("node " + std::to_string(n) + " of a plane mesh is free to leave its plane");
+        }
+    }
+}
+
+void hold_in_plane(SolidModel& model) {
+    if (model.mesh.formulation == Formulation::solid) return;
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n) model.prescribed[3 * n + 2] = 1;
+}
+
+}  // namespace palpate
