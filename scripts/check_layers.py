@@ -31,6 +31,7 @@ ALLOWED = {
     "solver/backends/opencl": BACKEND,
     "solver/backends/kokkos": BACKEND,
     "solver/linear": BACKEND,
+    "solver/equilibrium": BACKEND + ["solver/linear"],
     "solver/adjoint": BACKEND + ["solver/linear"],
     "solver/condense": BACKEND + ["solver/linear"],
     # The mesh program is licensed apart: it shares the exchange format and plain types, no more.

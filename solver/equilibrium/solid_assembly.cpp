@@ -3,8 +3,11 @@
 #include "solver/equilibrium/solid_assembly.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
+#include <variant>
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
@@ -75,8 +78,7 @@ ElementPoints SolidAssembly::Tables::points_of(Index element) const {
     return {model.mesh.nodes_of(element),
             {geometry.data() + static_cast<std::size_t>(element) * points,
              static_cast<std::size_t>(points)},
-            model.mesh.formulation,
-            model.volume};
+            model.mesh.formulation};
 }
 
 template <class Work>

@@ -16,18 +16,11 @@ struct SolidMaterial {
     std::vector<double> parameters;
 };
 
-/// How the volume change enters the laws.
-enum class VolumeTreatment {
-    pointwise,     ///< as the displacement gives it at each point; locks near incompressibility
-    element_mean,  ///< its mean over the element: quadratic simplices and quad4 do not lock
-};
-
 /// Everything that equilibrium at large deformation needs to know, but the loads.
 struct SolidModel {
     SolidMesh mesh;
     std::vector<SolidMaterial> materials;  ///< indexed by `mesh.region`
     std::vector<std::uint8_t> prescribed;  ///< [3 num_nodes], 1 where the displacement is given
-    VolumeTreatment volume = VolumeTreatment::pointwise;
 
     Index num_dofs() const { return 3 * mesh.num_nodes(); }
 };

@@ -1,0 +1,233 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/equilibrium/newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "solver/base/error.hpp"
+#include "solver/linear/free_dofs.hpp"
+#include "solver/linear/sparse_factor.hpp"
+
+namespace palpate {
+namespace {
+
+/// A step may raise the energy by rounding, as a part of the work that it stands for.
+constexpr double rounding = 1e-10;
+constexpr double shortest_length = 1.0 / 1024;
+
+/// K_ff^-1 of the tangent, factorised anew at every displacement; the pattern is analysed once.
+class TangentSolve {
+public:
+    TangentSolve(const SolidAssembly& solid, const std::string& library)
+        : solid_(solid),
+          matrix_(solid.make_matrix()),
+          free_(number_free_dofs(matrix_.graph, solid.model().prescribed)),
+          factor_(make_sparse_factor(library)) {}
+
+    const FreeDofs& free() const { return free_; }
+
+    /// False if the tangent is not positive definite.
+    bool factorise(const Eigen::VectorXd& u) {
+        solid_.tangent(u, matrix_);
+        if (free_.count == 0) return true;
+        const SparseFactor::Lower lower = free_lower(matrix_, free_);
+        if (!is_analysed_) factor_->analyse(lower);
+        is_analysed_ = true;
+        try {
+            factor_->factorise(lower);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::solve_failed) throw;
+            return false;
+        }
+        return true;
+    }
+
+    /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.
+    void solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
+        Eigen::VectorXd right = r - product_with_prescribed(x);
+        FactorBlock block(std::max<Index>(free_.count, 1), 1);
+        const std::vector<int>& position = factor_->position();
+        for (Eigen::Index d = 0; d < r.size(); ++d)
+            if (free_.number[d] >= 0) *block.row(position[free_.number[d]]) = right[d];
+        if (free_.count > 0) factor_->solve(block);
+        for (Eigen::Index d = 0; d < r.size(); ++d)
+            if (free_.number[d] >= 0) x[d] = *block.row(position[free_.number[d]]);
+    }
+
+private:
+    Eigen::VectorXd product_with_prescribed(const Eigen::VectorXd& x) const {
+        Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+        const Adjacency& graph = matrix_.graph;
+        for (Index n = 0; n < matrix_.num_rows(); ++n)
+            for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
+                for (int j = 0; j < 3; ++j) {
+                    const Index d = 3 * graph.items[k] + j;
+                    if (free_.number[d] >= 0 || x[d] == 0) continue;
+                    for (int i = 0; i < 3; ++i) y[3 * n + i] += matrix_.block(k)[3 * i + j] * x[d];
+                }
+        return y;
+    }
+
+    const SolidAssembly& solid_;
+    BlockMatrix matrix_;
+    FreeDofs free_;
+    std::unique_ptr<SparseFactor> factor_;
+    bool is_analysed_ = false;
+};
+
+void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
+    const Index dofs = solid.model().num_dofs();
+    if (loads.displacement.size() != dofs || loads.force.size() != dofs)
+        throw Error(ErrorCode::invalid_argument,
+                    "displacements and forces need 3 numbers per node: " + std::to_string(dofs));
+    if (!loads.displacement.allFinite() || !loads.force.allFinite())
+        throw Error(ErrorCode::invalid_argument,
+                    "a prescribed displacement or force is not a finite number");
+}
+
+class EquilibriumSolve {
+public:
+    EquilibriumSolve(const SolidAssembly& solid, const SolidLoads& loads,
+                     const EquilibriumOptions& options, const ProgressSink& progress)
+        : solid_(solid),
+          loads_(loads),
+          options_(options),
+          progress_(progress),
+          tangent_(solid, options.direct_library) {}
+
+    Equilibrium run();
+
+private:
+    /// A displacement and what it stores under a part of the load.
+    struct State {
+        Eigen::VectorXd u;
+        InternalForce inner;
+        double total_energy = 0;   ///< stored less the work of the forces
+        Eigen::VectorXd residual;  ///< force - f at free dofs, zero elsewhere
+    };
+
+    State state_at(const Eigen::VectorXd& u, double load) const;
+    double relative_residual(const State& state);
+    bool reach(double load, State& state);
+    bool advance_walls(double load, State& state);
+    double search_line(double load, const Eigen::VectorXd& change, State& state) const;
+
+    const SolidAssembly& solid_;
+    const SolidLoads& loads_;
+    const EquilibriumOptions& options_;
+    const ProgressSink& progress_;
+    TangentSolve tangent_;
+    double force_scale_ = 0;  ///< largest norm of forces met
+    std::vector<NewtonRecord> records_;
+};
+
+EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, double load) const {
+    State state{u, solid_.internal_force(u), 0, Eigen::VectorXd::Zero(u.size())};
+    state.total_energy = state.inner.energy;
+    if (!state.inner.is_valid) return state;
+    for (Eigen::Index d = 0; d < u.size(); ++d) {
+        if (tangent_.free().number[d] < 0) continue;
+        state.residual[d] = load * loads_.force[d] - state.inner.force[d];
+        state.total_energy -= load * loads_.force[d] * u[d];
+    }
+    return state;
+}
+
+double EquilibriumSolve::relative_residual(const State& state) {
+    force_scale_ =
+        std::max({force_scale_, state.inner.force.norm(), loads_.force.norm() * rounding});
+    return force_scale_ > 0 ? state.residual.norm() / force_scale_ : 0.0;
+}
+
+/// Moves the prescribed dofs to their places under `load` and the others as the tangent says,
+/// shorter where that would invert matter. Returns whether it went all the way.
+bool EquilibriumSolve::advance_walls(double load, State& state) {
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
+    for (Eigen::Index d = 0; d < change.size(); ++d)
+        if (solid_.model().prescribed[d]) change[d] = load * loads_.displacement[d] - state.u[d];
+    if (!tangent_.factorise(state.u)) return false;
+    tangent_.solve(state_at(state.u, load).residual, change);
+    State next = state_at(state.u + change, load);
+    if (!next.inner.is_valid) return false;
+    state = std::move(next);
+    return true;
+}
+
+/// The longest of 1, 1/2, 1/4, .. at which nothing inverts and the total energy has not grown; 0 if
+/// there is none.
+double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
+                                     State& state) const {
+    const double slope = -state.residual.dot(change);
+    for (double length = 1; length >= shortest_length; length *= 0.5) {
+        State next = state_at(state.u + length * change, load);
+        if (!next.inner.is_valid) continue;
+        const double allowed = rounding * (std::abs(slope) + std::abs(state.total_energy));
+        const bool has_small_residual = next.residual.norm() <= 0.5 * state.residual.norm();
+        if (next.total_energy > state.total_energy + 1e-4 * length * slope + allowed &&
+            !has_small_residual)
+            continue;
+        state = std::move(next);
+        return length;
+    }
+    return 0;
+}
+
+bool EquilibriumSolve::reach(double load, State& state) {
+    if (!advance_walls(load, state)) return false;
+    for (int step = 0; step < options_.max_newton_steps; ++step) {
+        const double residual = relative_residual(state);
+        records_.push_back({load, residual, 0});
+        report_progress(
+            progress_, "equilibrium", load,
+            "step " + std::to_string(records_.size()) + ", residual " + std::to_string(residual));
+        if (residual <= options_.relative_tolerance) return true;
+        if (!tangent_.factorise(state.u)) return false;
+        Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
+        tangent_.solve(state.residual, change);
+        records_.back().step_length = search_line(load, change, state);
+        if (records_.back().step_length == 0) return false;
+    }
+    return false;
+}
+
+Equilibrium EquilibriumSolve::run() {
+    Equilibrium result;
+    State reached = state_at(Eigen::VectorXd::Zero(solid_.model().num_dofs()), 0);
+    double step = std::clamp(options_.first_step, options_.smallest_step, 1.0);
+    while (result.load < 1 && step >= options_.smallest_step) {
+        const double load = std::min(1.0, result.load + step);
+        State next = reached;
+        if (reach(load, next)) {
+            reached = std::move(next);
+            result.load = load;
+            step *= 1.5;
+        } else {
+            step *= 0.5;
+        }
+    }
+    result.converged = result.load >= 1;
+    result.message = result.converged
+                         ? "in equilibrium"
+                         : "no equilibrium beyond " + std::to_string(100 * result.load) +
+                               " % of the load: matter inverts, or the body is not stable there";
+    result.relative_residual = relative_residual(reached);
+    result.displacement = reached.u;
+    result.energy = reached.inner.energy;
+    result.reaction = Eigen::VectorXd::Zero(reached.u.size());
+    for (Eigen::Index d = 0; d < reached.u.size(); ++d)
+        if (solid_.model().prescribed[d]) result.reaction[d] = reached.inner.force[d];
+    result.records = std::move(records_);
+    return result;
+}
+
+}  // namespace
+
+Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& loads,
+                              const EquilibriumOptions& options, const ProgressSink& progress) {
+    check_loads(solid, loads);
+    return EquilibriumSolve(solid, loads, options, progress).run();
+}
+
+}  // namespace palpate

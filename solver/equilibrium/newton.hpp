@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "solver/base/log.hpp"
+#include "solver/equilibrium/solid_assembly.hpp"
+
+namespace palpate {
+
+/// What a SolidModel is exposed to at full load.
+struct SolidLoads {
+    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm at prescribed dofs, ignored elsewhere
+    Eigen::VectorXd force;         ///< [3 num_nodes] mN, of constant direction, at free dofs
+};
+
+struct EquilibriumOptions {
+    /// Of the residual at free dofs, against the largest norm of internal or applied forces met.
+    double relative_tolerance = 1e-9;
+    int max_newton_steps = 25;    ///< per load step
+    double first_step = 1.0;      ///< part of the load that is tried first
+    double smallest_step = 1e-3;  ///< below it the solve gives up
+    std::string direct_library;   ///< of the factorisation, see `make_sparse_factor`
+};
+
+/// One Newton step, for tables and plots.
+struct NewtonRecord {
+    double load = 0;               ///< part of the full load
+    double relative_residual = 0;  ///< before the step
+    double step_length = 0;        ///< that the line search took
+};
+
+struct Equilibrium {
+    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
+    /// [3 num_nodes] mN: the forces that hold prescribed dofs, zero elsewhere.
+    Eigen::VectorXd reaction;
+    double energy = 0;  ///< stored, mN mm
+    double load = 0;    ///< part of the full load that was reached; 1 if converged
+    double relative_residual = 0;
+    bool converged = false;
+    std::string message;
+    std::vector<NewtonRecord> records;
+};
+
+/// Static equilibrium f(u) = force at free dofs, u = displacement at prescribed ones, by Newton's
+/// method on a sparse factorisation of the tangent. A line search keeps matter from inverting and
+/// the total energy (stored less the work of the forces) from growing; a load step that fails is
+/// halved, one that goes well is followed by a longer one. Not converging is reported in the
+/// result, which then holds the last equilibrium. Throws Error(invalid_argument) for loads of the
+/// wrong size or not finite.
+Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& loads,
+                              const EquilibriumOptions& options, const ProgressSink& progress = {});
+
+}  // namespace palpate

@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "solver/base/error.hpp"
+#include "solver/equilibrium/newton.hpp"
+#include "solver/model/quadratic_mesh.hpp"
+#include "tests/fixtures/meshes.hpp"
+
+namespace palpate {
+namespace {
+
+const std::vector<SolidMaterial>& materials() {
+    static const std::vector<SolidMaterial> list{{"linear", {10, 0.3}},
+                                                 {"neo-hookean", {10, 0.35}},
+                                                 {"neo-hookean-reduced", {2, 20}},
+                                                 {"veronda-westmann", {1.5, 3, 25}},
+                                                 {"reduced-polynomial", {1.5, 2, 0.1}}};
+    return list;
+}
+
+std::vector<SolidMesh> meshes() {
+    Mesh box = fixtures::box_mesh({2, 2, 2}, Vec3(2, 2, 2));
+    fixtures::shake_inner_nodes(box, 0.1, 3);
+    const SolidMesh linear = solid_mesh_of(box);
+    const SolidMesh triangles =
+        fixtures::rectangle_mesh(ElementType::tri3, Formulation::plane_stress, {3, 2}, {3.0, 2.0});
+    SolidMesh strained = with_edge_nodes(triangles);
+    strained.formulation = Formulation::plane_strain;
+    return {linear, with_edge_nodes(linear), triangles, strained,
+            fixtures::rectangle_mesh(ElementType::quad4, Formulation::axisymmetric, {3, 2},
+                                     {3.0, 2.0})};
+}
+
+SolidModel model_of(const SolidMesh& mesh, const SolidMaterial& material) {
+    SolidModel model{mesh, {material}, {}};
+    model.prescribed.assign(3 * mesh.nodes.size(), 0);
+    hold_in_plane(model);
+    return model;
+}
+
+/// A smooth displacement with strains of about ten percent, in the plane for plane meshes.
+Eigen::VectorXd bent(const SolidModel& model) {
+    Eigen::VectorXd u(model.num_dofs());
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
+        const Vec3& x = model.mesh.nodes[n];
+        u.segment<3>(3 * n) << 0.08 * x.x() + 0.03 * x.y() * x.y() + 0.01 * x.z() * x.x(),
+            -0.05 * x.y() + 0.04 * std::sin(x.x()) + 0.03 * x.z(),
+            0.06 * x.z() + 0.02 * x.x() * x.y();
+        if (model.mesh.formulation != Formulation::solid) u[3 * n + 2] = 0;
+    }
+    return u;
+}
+
+std::string name_of_case(const SolidModel& model) {
+    return model.mesh.table().name + " " + name_of(model.mesh.formulation) + " " +
+           model.materials[0].law;
+}
+
+TEST(SolidAssembly, ForcesAreTheSlopeOfTheEnergyAndTheTangentThatOfTheForces) {
+    constexpr double step = 1e-6;
+    for (const SolidMesh& mesh : meshes())
+        for (const SolidMaterial& material : materials()) {
+            const SolidModel model = model_of(mesh, material);
+            const SolidAssembly solid(model);
+            const Eigen::VectorXd u = bent(model);
+            Eigen::VectorXd way = Eigen::VectorXd::Zero(u.size());
+            for (Index d = 0; d < model.num_dofs(); ++d)
+                if (!model.prescribed[d]) way[d] = std::sin(1.7 * d);
+            const InternalForce up = solid.internal_force(u + step * way);
+            const InternalForce down = solid.internal_force(u - step * way);
+            const InternalForce here = solid.internal_force(u);
+            ASSERT_TRUE(here.is_valid) << name_of_case(model);
+            EXPECT_NEAR((up.energy - down.energy) / (2 * step), here.force.dot(way),
+                        1e-7 * here.force.norm() * way.norm())
+                << name_of_case(model);
+
+            BlockMatrix matrix = solid.make_matrix();
+            solid.tangent(u, matrix);
+            Eigen::VectorXd applied = Eigen::VectorXd::Zero(u.size());
+            for (Index n = 0; n < matrix.num_rows(); ++n)
+                for (Index k = matrix.graph.offsets[n]; k < matrix.graph.offsets[n + 1]; ++k)
+                    applied.segment<3>(3 * n) +=
+                        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+                            matrix.block(k)) *
+                        way.segment<3>(3 * matrix.graph.items[k]);
+            const Eigen::VectorXd expected = (up.force - down.force) / (2 * step);
+            double worst = 0;
+            for (Index d = 0; d < model.num_dofs(); ++d)
+                if (!model.prescribed[d])
+                    worst = std::max(worst, std::abs(applied[d] - expected[d]));
+            EXPECT_LT(worst, 1e-6 * expected.norm()) << name_of_case(model);
+        }
+}
+
+TEST(SolidAssembly, InvertedMatterIsNotValid) {
+    const SolidModel model = model_of(meshes()[0], materials()[1]);
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(model.num_dofs());
+    u[2] = 5;  // a corner through the box
+    const InternalForce found = SolidAssembly(model).internal_force(u);
+    EXPECT_FALSE(found.is_valid);
+    EXPECT_TRUE(std::isinf(found.energy));
+}
+
+/// Nodes on the outside of the box or rectangle.
+bool is_outside(const SolidMesh& mesh, Index node) {
+    const Vec3& x = mesh.nodes[node];
+    const bool is_plane = mesh.formulation != Formulation::solid;
+    const Vec3 size = is_plane ? Vec3(3, 2, 0) : Vec3(2, 2, 2);
+    for (int i = 0; i < (is_plane ? 2 : 3); ++i)
+        if (std::abs(x[i]) < 1e-9 || std::abs(x[i] - size[i]) < 1e-9) return true;
+    return false;
+}
+
+TEST(Equilibrium, AnAffineBoundaryGivesAnAffineInside) {
+    const Mat3 slope = (Mat3() << 0.15, 0.1, 0.05, -0.1, -0.12, 0.08, 0.02, 0.05, 0.1).finished();
+    for (const SolidMesh& mesh : meshes())
+        for (const SolidMaterial& material : materials()) {
+            if (mesh.formulation == Formulation::axisymmetric) continue;
+            SolidModel model = model_of(mesh, material);
+            SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
+                             Eigen::VectorXd::Zero(model.num_dofs())};
+            for (Index n = 0; n < mesh.num_nodes(); ++n) {
+                Vec3 u = slope * mesh.nodes[n];
+                if (mesh.formulation != Formulation::solid) u.z() = 0;
+                loads.displacement.segment<3>(3 * n) = u;
+                if (is_outside(mesh, n)) std::fill_n(&model.prescribed[3 * n], 3, 1);
+            }
+            const Equilibrium found = solve_equilibrium(SolidAssembly(model), loads, {});
+            ASSERT_TRUE(found.converged) << name_of_case(model) << ": " << found.message;
+            EXPECT_LT((found.displacement - loads.displacement).cwiseAbs().maxCoeff(), 1e-9)
+                << name_of_case(model);
+        }
+}
+
+TEST(Equilibrium, AHeavyLoadIsReachedInSteps) {
+    SolidModel model = model_of(meshes()[0], materials()[1]);
+    SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
+                     Eigen::VectorXd::Zero(model.num_dofs())};
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
+        const Vec3& x = model.mesh.nodes[n];
+        if (x.z() < 1e-9 || x.z() > 2 - 1e-9) std::fill_n(&model.prescribed[3 * n], 3, 1);
+        if (x.z() > 2 - 1e-9) loads.displacement[3 * n + 2] = -1.3;  // 65 % compression
+    }
+    const Equilibrium found = solve_equilibrium(SolidAssembly(model), loads, {});
+    ASSERT_TRUE(found.converged) << found.message;
+    double push = 0, pull = 0;
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n)
+        (model.mesh.nodes[n].z() > 1 ? push : pull) += found.reaction[3 * n + 2];
+    EXPECT_LT(push, -10);
+    EXPECT_NEAR(push, -pull, 1e-6 * std::abs(push));
+}
+
+TEST(Equilibrium, WhatCannotBeReachedIsSaidAndTheLastEquilibriumKept) {
+    SolidModel model = model_of(meshes()[0], materials()[1]);
+    SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
+                     Eigen::VectorXd::Zero(model.num_dofs())};
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
+        const Vec3& x = model.mesh.nodes[n];
+        if (x.z() < 1e-9 || x.z() > 2 - 1e-9) std::fill_n(&model.prescribed[3 * n], 3, 1);
+        if (x.z() > 2 - 1e-9) loads.displacement[3 * n + 2] = -2.5;  // through the floor
+    }
+    const Equilibrium found = solve_equilibrium(SolidAssembly(model), loads, {});
+    EXPECT_FALSE(found.converged);
+    EXPECT_GT(found.load, 0.3);
+    EXPECT_LT(found.load, 0.8);
+    EXPECT_TRUE(found.displacement.allFinite());
+    EXPECT_LT(found.relative_residual, 1e-8);
+}
+
+TEST(Equilibrium, LoadsOfTheWrongSizeOrThatAreNoNumbersAreRefused) {
+    const SolidModel model = model_of(meshes()[0], materials()[1]);
+    const SolidAssembly solid(model);
+    SolidLoads loads{Eigen::VectorXd::Zero(3), Eigen::VectorXd::Zero(model.num_dofs())};
+    EXPECT_THROW(solve_equilibrium(solid, loads, {}), Error);
+    loads.displacement.setConstant(model.num_dofs(), std::nan(""));
+    EXPECT_THROW(solve_equilibrium(solid, loads, {}), Error);
+}
+
+}  // namespace
+}  // namespace palpate
