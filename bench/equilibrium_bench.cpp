@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+// How long does equilibrium at large deformation take? A box of 35k tetrahedra, neo-Hookean with a
+// stiff inclusion, compressed by 10 % between plates that hold it. Figures in docs/performance.md.
+//   tangent      assembling the stiffness once
+//   equilibrium  from rest to the full load
+#include <benchmark/benchmark.h>
+
+#include "solver/equilibrium/newton.hpp"
+#include "solver/model/quadratic_mesh.hpp"
+#include "tests/fixtures/meshes.hpp"
+
+namespace palpate {
+namespace {
+
+struct Case {
+    SolidModel model;
+    SolidLoads loads;
+};
+
+struct Size {
+    const char* name;
+    bool is_quadratic;
+    Index cells;
+};
+constexpr Size sizes[] = {{"small", false, 4}, {"seed_size", false, 18}, {"tet10", true, 9}};
+
+Case compressed_box(const Size& size) {
+    const Index cells = size.cells;
+    Mesh box = fixtures::box_mesh({cells, cells, cells}, Vec3(60, 60, 60));
+    fixtures::set_inclusion(box, [](const Vec3& x) { return (x - Vec3(30, 30, 30)).norm() < 15; });
+    SolidMesh mesh = solid_mesh_of(box);
+    if (size.is_quadratic) mesh = with_edge_nodes(mesh);
+    Case work{{mesh, {{"neo-hookean", {10, 0.35}}, {"neo-hookean", {90, 0.40}}}, {}}, {}};
+    work.model.prescribed.assign(3 * mesh.nodes.size(), 0);
+    work.loads.displacement.setZero(work.model.num_dofs());
+    work.loads.force.setZero(work.model.num_dofs());
+    for (Index n = 0; n < mesh.num_nodes(); ++n) {
+        const double z = mesh.nodes[n].z();
+        if (z < 1e-9 || z > 60 - 1e-9) std::fill_n(&work.model.prescribed[3 * n], 3, 1);
+        if (z > 60 - 1e-9) work.loads.displacement[3 * n + 2] = -6;
+    }
+    return work;
+}
+
+void tangent(benchmark::State& state, const Size& size) {
+    const Case work = compressed_box(size);
+    const SolidAssembly solid(work.model);
+    BlockMatrix matrix = solid.make_matrix();
+    const Eigen::VectorXd u = Eigen::VectorXd::Zero(work.model.num_dofs());
+    for (auto _ : state) solid.tangent(u, matrix);
+}
+
+void equilibrium(benchmark::State& state, const Size& size) {
+    const Case work = compressed_box(size);
+    for (auto _ : state) {
+        const Equilibrium found = solve_equilibrium(SolidAssembly(work.model), work.loads, {});
+        if (!found.converged) state.SkipWithError(found.message.c_str());
+        state.counters["newton_steps"] = static_cast<double>(found.records.size());
+        state.counters["relative_residual"] = found.relative_residual;
+    }
+    state.counters["dofs"] = work.model.num_dofs();
+}
+
+template <typename Run>
+void add(const char* name, Run run) {
+    for (const Size& size : sizes)
+        benchmark::RegisterBenchmark((std::string(name) + "/" + size.name).c_str(), run, size)
+            ->Unit(benchmark::kMillisecond)
+            ->UseRealTime();
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+    palpate::add("tangent", palpate::tangent);
+    palpate::add("equilibrium", palpate::equilibrium);
+    benchmark::Initialize(&argc, argv);
+    benchmark::RunSpecifiedBenchmarks();
+}
