@@ -115,4 +115,29 @@ void element_tangent(const Law& law, const ElementPoints& element, const Eigen::
     }
 }
 
+/// Of df/dp for parameter k of the law, weighted by `lambda`: sum over the points of
+/// volume dP/dp : grad lambda.
+template <class PointResponse, class Law>
+double parameter_product_at(const Law& law, const ElementPoints& element, const PointGeometry& at,
+                            const Eigen::VectorXd& u, const Eigen::VectorXd& lambda, int k) {
+    const PointResponse response(law, displacement_gradient(element, at, u));
+    if (!response.is_valid()) return 0;
+    return at.volume *
+           double_dot(response.parameter_stress(k), displacement_gradient(element, at, lambda));
+}
+
+template <class Law>
+double parameter_product(const Law& law, const ElementPoints& element, const Eigen::VectorXd& u,
+                         const Eigen::VectorXd& lambda, int k) {
+    double sum = 0;
+    for (const PointGeometry& at : element.geometry) {
+        if (element.formulation == Formulation::plane_stress) {
+            sum += parameter_product_at<PlaneStressResponse<Law>>(law, element, at, u, lambda, k);
+        } else {
+            sum += parameter_product_at<FullResponse<Law>>(law, element, at, u, lambda, k);
+        }
+    }
+    return sum;
+}
+
 }  // namespace palpate

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "solver/base/error.hpp"
-#include "solver/linear/free_dofs.hpp"
-#include "solver/linear/sparse_factor.hpp"
+#include "solver/equilibrium/tangent_solve.hpp"
 
 namespace palpate {
 namespace {
@@ -16,66 +14,6 @@ namespace {
 /// A step may raise the energy by rounding, as a part of the work that it stands for.
 constexpr double rounding = 1e-10;
 constexpr double shortest_length = 1.0 / 1024;
-
-/// K_ff^-1 of the tangent, factorised anew at every displacement; the pattern is analysed once.
-class TangentSolve {
-public:
-    TangentSolve(const SolidAssembly& solid, const std::string& library)
-        : solid_(solid),
-          matrix_(solid.make_matrix()),
-          free_(number_free_dofs(matrix_.graph, solid.model().prescribed)),
-          factor_(make_sparse_factor(library)) {}
-
-    const FreeDofs& free() const { return free_; }
-
-    /// False if the tangent is not positive definite.
-    bool factorise(const Eigen::VectorXd& u) {
-        solid_.tangent(u, matrix_);
-        if (free_.count == 0) return true;
-        const SparseFactor::Lower lower = free_lower(matrix_, free_);
-        if (!is_analysed_) factor_->analyse(lower);
-        is_analysed_ = true;
-        try {
-            factor_->factorise(lower);
-        } catch (const Error& error) {
-            if (error.code() != ErrorCode::solve_failed) throw;
-            return false;
-        }
-        return true;
-    }
-
-    /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.
-    void solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
-        Eigen::VectorXd right = r - product_with_prescribed(x);
-        FactorBlock block(std::max<Index>(free_.count, 1), 1);
-        const std::vector<int>& position = factor_->position();
-        for (Eigen::Index d = 0; d < r.size(); ++d)
-            if (free_.number[d] >= 0) *block.row(position[free_.number[d]]) = right[d];
-        if (free_.count > 0) factor_->solve(block);
-        for (Eigen::Index d = 0; d < r.size(); ++d)
-            if (free_.number[d] >= 0) x[d] = *block.row(position[free_.number[d]]);
-    }
-
-private:
-    Eigen::VectorXd product_with_prescribed(const Eigen::VectorXd& x) const {
-        Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
-        const Adjacency& graph = matrix_.graph;
-        for (Index n = 0; n < matrix_.num_rows(); ++n)
-            for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
-                for (int j = 0; j < 3; ++j) {
-                    const Index d = 3 * graph.items[k] + j;
-                    if (free_.number[d] >= 0 || x[d] == 0) continue;
-                    for (int i = 0; i < 3; ++i) y[3 * n + i] += matrix_.block(k)[3 * i + j] * x[d];
-                }
-        return y;
-    }
-
-    const SolidAssembly& solid_;
-    BlockMatrix matrix_;
-    FreeDofs free_;
-    std::unique_ptr<SparseFactor> factor_;
-    bool is_analysed_ = false;
-};
 
 void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
     const Index dofs = solid.model().num_dofs();

@@ -23,6 +23,8 @@ public:
     Tensor3<double> tangent_apply(const Tensor3<double>& dh) const {
         return law_.tangent_apply(state_, dh);
     }
+    /// dP by parameter k of the law, H held.
+    Tensor3<double> parameter_stress(int k) const { return law_.parameter_stress(state_, k); }
 
 private:
     const Law& law_;
@@ -63,13 +65,20 @@ public:
     double energy() const { return law_.energy(state_); }
     Tensor3<double> stress() const { return law_.stress(state_); }
     Tensor3<double> tangent_apply(const Tensor3<double>& dh) const {
-        Tensor3<double> dp = law_.tangent_apply(state_, dh);
+        return relaxed(law_.tangent_apply(state_, dh));
+    }
+    /// dP by parameter k of the law, H in the plane held.
+    Tensor3<double> parameter_stress(int k) const {
+        return relaxed(law_.parameter_stress(state_, k));
+    }
+
+private:
+    /// A change of stress at a held H_zz, once H_zz has followed.
+    Tensor3<double> relaxed(Tensor3<double> dp) const {
         const double change = -dp.m[8] / across_.m[8];
         for (int i = 0; i < 9; ++i) dp.m[i] += change * across_.m[i];
         return dp;
     }
-
-private:
     static Tensor3<double> unit_across() {
         Tensor3<double> unit{};
         unit.m[8] = 1;

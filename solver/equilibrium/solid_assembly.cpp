@@ -146,4 +146,32 @@ void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const
     });
 }
 
+std::vector<std::vector<double>> SolidAssembly::parameter_products(
+    const Eigen::VectorXd& u, const Eigen::VectorXd& lambda) const {
+    const Tables& tables = *tables_;
+    const SolidModel& model = tables.model;
+    std::size_t most = 0;
+    for (const SolidMaterial& material : model.materials)
+        most = std::max(most, material.parameters.size());
+    std::vector<double> parts(model.mesh.region.size() * most);
+    tables.for_each_element([&](Index e) {
+        const Index region = model.mesh.region[e];
+        const auto count = static_cast<int>(model.materials[region].parameters.size());
+        std::visit(
+            [&](const auto& law) {
+                for (int k = 0; k < count; ++k)
+                    parts[e * most + k] = parameter_product(law, tables.points_of(e), u, lambda, k);
+            },
+            tables.laws[region]);
+    });
+    std::vector<std::vector<double>> products;
+    for (const SolidMaterial& material : model.materials)
+        products.emplace_back(material.parameters.size(), 0.0);
+    for (Index e = 0; e < model.mesh.num_elements(); ++e) {
+        std::vector<double>& sums = products[model.mesh.region[e]];
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += parts[e * most + k];
+    }
+    return products;
+}
+
 }  // namespace palpate

@@ -35,6 +35,10 @@ public:
     /// K = dF/du at u into a matrix of `make_matrix`, mN/mm, without regard to prescribed dofs;
     /// symmetric. Points that are not valid add nothing.
     void tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
+    /// lambda . df/dp at u for every parameter p of every material: [materials][parameters], mN mm
+    /// per unit of the parameter. lambda [3 num_nodes] mm.
+    std::vector<std::vector<double>> parameter_products(const Eigen::VectorXd& u,
+                                                        const Eigen::VectorXd& lambda) const;
 
 private:
     struct Tables;

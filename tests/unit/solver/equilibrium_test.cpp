@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "solver/adjoint/solid_adjoint.hpp"
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/newton.hpp"
 #include "solver/model/quadratic_mesh.hpp"
@@ -132,6 +133,79 @@ TEST(Equilibrium, AnAffineBoundaryGivesAnAffineInside) {
             ASSERT_TRUE(found.converged) << name_of_case(model) << ": " << found.message;
             EXPECT_LT((found.displacement - loads.displacement).cwiseAbs().maxCoeff(), 1e-9)
                 << name_of_case(model);
+        }
+}
+
+/// Held at x = 0 and pulled at the other end, pushed by forces inside.
+struct LoadedCase {
+    SolidModel model;
+    SolidLoads loads;
+};
+
+LoadedCase loaded(const SolidMesh& mesh, const SolidMaterial& material) {
+    LoadedCase work{model_of(mesh, material), {}};
+    work.loads.displacement.setZero(work.model.num_dofs());
+    work.loads.force.setZero(work.model.num_dofs());
+    const double end = mesh.formulation == Formulation::solid ? 2 : 3;
+    for (Index n = 0; n < mesh.num_nodes(); ++n) {
+        const double x = mesh.nodes[n].x();
+        if (x < 1e-9 || x > end - 1e-9) std::fill_n(&work.model.prescribed[3 * n], 3, 1);
+        if (x > end - 1e-9) work.loads.displacement[3 * n] = 0.1 * end;
+        work.loads.force[3 * n + 1] = 0.05;
+    }
+    return work;
+}
+
+Eigen::VectorXd weights(Index dofs) {
+    Eigen::VectorXd w(dofs);
+    for (Index d = 0; d < dofs; ++d) w[d] = std::cos(0.9 * d);
+    return w;
+}
+
+/// J = w . u
+double value_of(const LoadedCase& work) {
+    EquilibriumOptions options;
+    options.relative_tolerance = 1e-12;
+    const Equilibrium found = solve_equilibrium(SolidAssembly(work.model), work.loads, options);
+    EXPECT_TRUE(found.converged) << found.message;
+    return weights(work.model.num_dofs()).dot(found.displacement);
+}
+
+TEST(SolidAdjoint, GradientsAreThoseOfCentralDifferences) {
+    for (const SolidMesh& mesh : meshes())
+        for (const SolidMaterial& material : materials()) {
+            const LoadedCase work = loaded(mesh, material);
+            const SolidAssembly solid(work.model);
+            EquilibriumOptions options;
+            options.relative_tolerance = 1e-12;
+            const Equilibrium found = solve_equilibrium(solid, work.loads, options);
+            ASSERT_TRUE(found.converged) << name_of_case(work.model) << ": " << found.message;
+            const SolidGradient gradient =
+                solid_gradient(solid, found.displacement, weights(work.model.num_dofs()));
+
+            for (std::size_t k = 0; k < material.parameters.size(); ++k) {
+                const double step = 1e-4 * material.parameters[k];
+                LoadedCase up = work, down = work;
+                up.model.materials[0].parameters[k] += step;
+                down.model.materials[0].parameters[k] -= step;
+                const double expected = (value_of(up) - value_of(down)) / (2 * step);
+                EXPECT_NEAR(gradient.parameters[0][k], expected, 1e-5 * std::abs(expected) + 1e-9)
+                    << name_of_case(work.model) << " parameter " << k;
+            }
+            // Prescribed displacements and forces.
+            for (Index d = 0; d < work.model.num_dofs(); ++d) {
+                const bool is_wall = work.loads.displacement[d] != 0;
+                const bool is_free = !work.model.prescribed[d];
+                if (!is_wall && !(is_free && d % 7 == 1)) continue;
+                constexpr double step = 1e-4;
+                LoadedCase up = work, down = work;
+                (is_wall ? up.loads.displacement : up.loads.force)[d] += step;
+                (is_wall ? down.loads.displacement : down.loads.force)[d] -= step;
+                const double expected = (value_of(up) - value_of(down)) / (2 * step);
+                EXPECT_NEAR((is_wall ? gradient.displacement : gradient.force)[d], expected,
+                            1e-5 * std::abs(expected) + 1e-7)
+                    << name_of_case(work.model) << " dof " << d;
+            }
         }
 }
 

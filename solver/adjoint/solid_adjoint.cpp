@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/adjoint/solid_adjoint.hpp"
+
+#include "solver/base/error.hpp"
+#include "solver/equilibrium/tangent_solve.hpp"
+
+namespace palpate {
+
+SolidGradient solid_gradient(const SolidAssembly& solid, const Eigen::VectorXd& u,
+                             const Eigen::VectorXd& dj_du, const std::string& direct_library) {
+    TangentSolve tangent(solid, direct_library);
+    if (!tangent.factorise(u))
+        throw Error(ErrorCode::solve_failed,
+                    "the tangent at the equilibrium is not positive definite, so its gradient is "
+                    "not defined; the body is not stable there");
+    Eigen::VectorXd lambda = Eigen::VectorXd::Zero(u.size());
+    tangent.solve(dj_du, lambda);
+    SolidGradient gradient;
+    gradient.parameters = solid.parameter_products(u, lambda);
+    for (auto& material : gradient.parameters)
+        for (double& value : material) value = -value;
+    gradient.force = lambda;
+    gradient.displacement = dj_du - tangent.times(lambda);
+    for (Eigen::Index d = 0; d < u.size(); ++d)
+        if (!solid.model().prescribed[d]) gradient.displacement[d] = 0;
+    return gradient;
+}
+
+}  // namespace palpate

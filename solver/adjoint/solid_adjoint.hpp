@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "solver/equilibrium/solid_assembly.hpp"
+
+namespace palpate {
+
+/// Derivatives of a scalar J(u) of an equilibrium at large deformation.
+struct SolidGradient {
+    /// [materials][parameters] per unit of each parameter.
+    std::vector<std::vector<double>> parameters;
+    Eigen::VectorXd force;         ///< [3 num_nodes] per mN at free dofs, 0 elsewhere
+    Eigen::VectorXd displacement;  ///< [3 num_nodes] per mm at prescribed dofs (total), 0 elsewhere
+};
+
+/// One solve with the tangent at the equilibrium u, K_ff lambda = (dJ/du)_f, lambda = 0 on
+/// prescribed dofs; then
+///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - K_pf lambda.
+///   u       [3 num_nodes] mm, from `solve_equilibrium`
+///   dj_du   [3 num_nodes] partial derivative of J
+/// Throws Error(solve_failed) if the tangent is not positive definite: u is not stable.
+SolidGradient solid_gradient(const SolidAssembly& solid, const Eigen::VectorXd& u,
+                             const Eigen::VectorXd& dj_du, const std::string& direct_library = {});
+
+}  // namespace palpate

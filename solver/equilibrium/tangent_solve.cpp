@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/equilibrium/tangent_solve.hpp"
+
+#include "solver/base/error.hpp"
+
+namespace palpate {
+
+TangentSolve::TangentSolve(const SolidAssembly& solid, const std::string& library)
+    : solid_(solid),
+      matrix_(solid.make_matrix()),
+      free_(number_free_dofs(matrix_.graph, solid.model().prescribed)),
+      factor_(make_sparse_factor(library)) {}
+
+bool TangentSolve::factorise(const Eigen::VectorXd& u) {
+    solid_.tangent(u, matrix_);
+    if (free_.count == 0) return true;
+    const SparseFactor::Lower lower = free_lower(matrix_, free_);
+    if (!is_analysed_) factor_->analyse(lower);
+    is_analysed_ = true;
+    try {
+        factor_->factorise(lower);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::solve_failed) throw;
+        return false;
+    }
+    return true;
+}
+
+void TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
+    if (free_.count == 0) return;
+    for (Eigen::Index d = 0; d < x.size(); ++d)
+        if (free_.number[d] >= 0) x[d] = 0;
+    Eigen::VectorXd right = r;
+    if (!x.isZero(0)) right -= times(x);
+    FactorBlock block(free_.count, 1);
+    const std::vector<int>& position = factor_->position();
+    for (Eigen::Index d = 0; d < r.size(); ++d)
+        if (free_.number[d] >= 0) *block.row(position[free_.number[d]]) = right[d];
+    factor_->solve(block);
+    for (Eigen::Index d = 0; d < r.size(); ++d)
+        if (free_.number[d] >= 0) x[d] = *block.row(position[free_.number[d]]);
+}
+
+Eigen::VectorXd TangentSolve::times(const Eigen::VectorXd& x) const {
+    using Block = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+    const Adjacency& graph = matrix_.graph;
+    for (Index n = 0; n < matrix_.num_rows(); ++n)
+        for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
+            y.segment<3>(3 * n) += Block(matrix_.block(k)) * x.segment<3>(3 * graph.items[k]);
+    return y;
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+#include "solver/equilibrium/solid_assembly.hpp"
+#include "solver/linear/free_dofs.hpp"
+#include "solver/linear/sparse_factor.hpp"
+
+namespace palpate {
+
+/// The tangent K of a SolidAssembly, factorised on the free dofs at one displacement after the
+/// other; the pattern is analysed once.
+class TangentSolve {
+public:
+    /// `library`: of the factor, see `make_sparse_factor`. `solid` must outlive this object.
+    TangentSolve(const SolidAssembly& solid, const std::string& library);
+
+    const FreeDofs& free() const { return free_; }
+    /// At u [3 num_nodes] mm. False if the tangent is not positive definite there.
+    bool factorise(const Eigen::VectorXd& u);
+    /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.
+    void solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
+    /// K x with all rows and columns, [3 num_nodes].
+    Eigen::VectorXd times(const Eigen::VectorXd& x) const;
+
+private:
+    const SolidAssembly& solid_;
+    BlockMatrix matrix_;
+    FreeDofs free_;
+    std::unique_ptr<SparseFactor> factor_;
+    bool is_analysed_ = false;
+};
+
+}  // namespace palpate
