@@ -30,6 +30,8 @@ struct ClosedForm {
     std::function<std::array<double, 3>(double)> simple_shear;
 };
 
+void PrintTo(const ClosedForm& form, std::ostream* out) { *out << form.law; }
+
 /// psi(J1 - 3) + kappa/2 (J - 1)^2: P_i = (2 psi' J^(-2/3) (s_i^2 - I1/3) + kappa (J - 1) J) / s_i.
 /// Simple shear keeps the volume: J1 - 3 = g^2 and sigma = 2 psi' dev(F F^T).
 ClosedForm reduced(std::string law, std::vector<double> parameters, double kappa,
