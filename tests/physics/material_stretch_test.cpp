@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr double closed_form_tolerance = 1e-9;  ///< plain formulas, lateral stretch by bisection
+constexpr double closed_form_tolerance = 1e-11;  ///< plain formulas, lateral stretch by bisection
 
 using Stretches = std::array<double, 3>;
 
@@ -29,6 +29,8 @@ struct ClosedForm {
     /// Cauchy stress of F = I + g e1 e2^T: sigma_11, sigma_22, sigma_12.
     std::function<std::array<double, 3>(double)> simple_shear;
 };
+
+void PrintTo(const ClosedForm& form, std::ostream* out) { *out << form.law; }
 
 /// psi(J1 - 3) + kappa/2 (J - 1)^2: P_i = (2 psi' J^(-2/3) (s_i^2 - I1/3) + kappa (J - 1) J) / s_i.
 /// Simple shear keeps the volume: J1 - 3 = g^2 and sigma = 2 psi' dev(F F^T).
@@ -107,6 +109,11 @@ ClosedForm reduced_polynomial() {
         [=](double x) { return c1 + 2 * c2 * x; });
 }
 
+std::vector<ClosedForm> closed_forms() {
+    return {linear(), neo_hookean(), neo_hookean_reduced(), veronda_westmann(),
+            reduced_polynomial()};
+}
+
 /// The stretch of the free axes for which they carry no stress.
 double free_stretch(const ClosedForm& form, const std::function<Stretches(double)>& with,
                     int axis) {
@@ -182,16 +189,20 @@ TEST_P(MaterialStretch, SimpleShearHasTheClosedFormStress) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryLaw, MaterialStretch,
-                         testing::Values(linear(), neo_hookean(), neo_hookean_reduced(),
-                                         veronda_westmann(), reduced_polynomial()),
+INSTANTIATE_TEST_SUITE_P(EveryLaw, MaterialStretch, testing::ValuesIn(closed_forms()),
                          [](const auto& entry) {
                              std::string name = entry.param.law;
                              std::replace(name.begin(), name.end(), '-', '_');
                              return name;
                          });
 
-TEST(MaterialStretches, HaveAClosedFormForEveryLaw) { EXPECT_EQ(material_laws().size(), 5u); }
+TEST(MaterialStretches, HaveAClosedFormForEveryLaw) {
+    for (const MaterialDescription& law : material_laws()) {
+        int found = 0;
+        for (const ClosedForm& form : closed_forms()) found += form.law == law.name;
+        EXPECT_EQ(found, 1) << law.name;
+    }
+}
 
 }  // namespace
 }  // namespace palpate

@@ -27,6 +27,8 @@ struct Case {
     int num_columns;  ///< also the width of a work item
 };
 
+void PrintTo(const Case& c, std::ostream* out) { *out << c.law; }
+
 std::vector<Case> every_case() {
     std::vector<Case> cases;
     for (const std::string& law : material_names()) {
