@@ -77,8 +77,7 @@ ElementPoints SolidAssembly::Tables::points_of(Index element) const {
     const int points = model.mesh.table().num_points;
     return {model.mesh.nodes_of(element),
             {geometry.data() + static_cast<std::size_t>(element) * points,
-             static_cast<std::size_t>(points)},
-            model.mesh.formulation};
+             static_cast<std::size_t>(points)}};
 }
 
 template <class Work>
@@ -107,7 +106,7 @@ InternalForce SolidAssembly::internal_force(const Eigen::VectorXd& u) const {
         const ElementPoints points = tables.points_of(e);
         std::visit(
             [&](const auto& law) {
-                const ElementForce found = element_force(law, points, u);
+                const ElementForce found = element_force(tables.model, law, points, u);
                 energy[e] = found.energy;
                 for (std::size_t a = 0; a < points.nodes.size(); ++a)
                     result.force.segment<3>(3 * points.nodes[a]) += found.force[a];
@@ -135,8 +134,9 @@ void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const
         const ElementPoints points = tables.points_of(e);
         const std::size_t n = points.nodes.size();
         ElementStiffness stiffness;
-        std::visit([&](const auto& law) { element_tangent(law, points, u, stiffness); },
-                   tables.laws[tables.model.mesh.region[e]]);
+        std::visit(
+            [&](const auto& law) { element_tangent(tables.model, law, points, u, stiffness); },
+            tables.laws[tables.model.mesh.region[e]]);
         for (std::size_t a = 0; a < n; ++a)
             for (std::size_t b = 0; b < n; ++b) {
                 double* block = matrix.block(tables.blocks[(e * n + a) * n + b]);
@@ -160,7 +160,8 @@ std::vector<std::vector<double>> SolidAssembly::parameter_products(
         std::visit(
             [&](const auto& law) {
                 for (int k = 0; k < count; ++k)
-                    parts[e * most + k] = parameter_product(law, tables.points_of(e), u, lambda, k);
+                    parts[e * most + k] =
+                        parameter_product(tables.model, law, tables.points_of(e), u, lambda, k);
             },
             tables.laws[region]);
     });

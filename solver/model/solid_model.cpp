@@ -25,6 +25,10 @@ void check_model(const SolidModel& model) {
     if (model.prescribed.size() != static_cast<std::size_t>(model.num_dofs())) {
         refuse("the flags of prescribed displacements must be 3 per node");
     }
+    if (model.mesh.formulation == Formulation::plane_stress &&
+        model.volume == VolumeTreatment::element_mean) {
+        refuse("in plane stress the volume follows from the law; it cannot be the element's mean");
+    }
     if (model.mesh.formulation == Formulation::solid) return;
     for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
         if (!model.prescribed[3 * n + 2]) {

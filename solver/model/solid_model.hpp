@@ -16,18 +16,25 @@ struct SolidMaterial {
     std::vector<double> parameters;
 };
 
+/// How the change of volume enters the laws.
+enum class VolumeTreatment {
+    pointwise,     ///< as the displacement has it at each point; locks near incompressibility
+    element_mean,  ///< its mean over the element: tet10 and quad4 do not lock
+};
+
 /// Everything that equilibrium at large deformation needs to know, but the loads.
 struct SolidModel {
     SolidMesh mesh;
     std::vector<SolidMaterial> materials;  ///< indexed by `mesh.region`
     std::vector<std::uint8_t> prescribed;  ///< [3 num_nodes], 1 where the displacement is given
+    VolumeTreatment volume = VolumeTreatment::pointwise;
 
     Index num_dofs() const { return 3 * mesh.num_nodes(); }
 };
 
 /// Throws Error(invalid_argument) naming the first broken rule: those of `check_mesh`, laws and
-/// parameters, regions without material, the size of `prescribed`, and in a plane a third component
-/// that is not prescribed.
+/// parameters, regions without material, the size of `prescribed`, in a plane a third component
+/// that is not prescribed, and a mean volume in plane stress, where the law sets it.
 void check_model(const SolidModel& model);
 
 /// Prescribes the third component of every node of a plane mesh.

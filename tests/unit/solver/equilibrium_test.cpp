@@ -42,6 +42,19 @@ SolidModel model_of(const SolidMesh& mesh, const SolidMaterial& material) {
     return model;
 }
 
+/// Every element, formulation, law and treatment of the volume.
+std::vector<SolidModel> models() {
+    std::vector<SolidModel> list;
+    for (const SolidMesh& mesh : meshes())
+        for (const SolidMaterial& material : materials()) {
+            list.push_back(model_of(mesh, material));
+            if (mesh.formulation == Formulation::plane_stress) continue;
+            list.push_back(list.back());
+            list.back().volume = VolumeTreatment::element_mean;
+        }
+    return list;
+}
+
 /// A smooth displacement with strains of about ten percent, in the plane for plane meshes.
 Eigen::VectorXd bent(const SolidModel& model) {
     Eigen::VectorXd u(model.num_dofs());
@@ -56,44 +69,42 @@ Eigen::VectorXd bent(const SolidModel& model) {
 }
 
 std::string name_of_case(const SolidModel& model) {
-    return model.mesh.table().name + " " + name_of(model.mesh.formulation) + " " +
+    return std::string(model.volume == VolumeTreatment::element_mean ? "mean volume, " : "") +
+           model.mesh.table().name + " " + name_of(model.mesh.formulation) + " " +
            model.materials[0].law;
 }
 
 TEST(SolidAssembly, ForcesAreTheSlopeOfTheEnergyAndTheTangentThatOfTheForces) {
     constexpr double step = 1e-6;
-    for (const SolidMesh& mesh : meshes())
-        for (const SolidMaterial& material : materials()) {
-            const SolidModel model = model_of(mesh, material);
-            const SolidAssembly solid(model);
-            const Eigen::VectorXd u = bent(model);
-            Eigen::VectorXd way = Eigen::VectorXd::Zero(u.size());
-            for (Index d = 0; d < model.num_dofs(); ++d)
-                if (!model.prescribed[d]) way[d] = std::sin(1.7 * d);
-            const InternalForce up = solid.internal_force(u + step * way);
-            const InternalForce down = solid.internal_force(u - step * way);
-            const InternalForce here = solid.internal_force(u);
-            ASSERT_TRUE(here.is_valid) << name_of_case(model);
-            EXPECT_NEAR((up.energy - down.energy) / (2 * step), here.force.dot(way),
-                        1e-7 * here.force.norm() * way.norm())
-                << name_of_case(model);
+    for (const SolidModel& model : models()) {
+        const SolidAssembly solid(model);
+        const Eigen::VectorXd u = bent(model);
+        Eigen::VectorXd way = Eigen::VectorXd::Zero(u.size());
+        for (Index d = 0; d < model.num_dofs(); ++d)
+            if (!model.prescribed[d]) way[d] = std::sin(1.7 * d);
+        const InternalForce up = solid.internal_force(u + step * way);
+        const InternalForce down = solid.internal_force(u - step * way);
+        const InternalForce here = solid.internal_force(u);
+        ASSERT_TRUE(here.is_valid) << name_of_case(model);
+        EXPECT_NEAR((up.energy - down.energy) / (2 * step), here.force.dot(way),
+                    1e-7 * here.force.norm() * way.norm())
+            << name_of_case(model);
 
-            BlockMatrix matrix = solid.make_matrix();
-            solid.tangent(u, matrix);
-            Eigen::VectorXd applied = Eigen::VectorXd::Zero(u.size());
-            for (Index n = 0; n < matrix.num_rows(); ++n)
-                for (Index k = matrix.graph.offsets[n]; k < matrix.graph.offsets[n + 1]; ++k)
-                    applied.segment<3>(3 * n) +=
-                        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
-                            matrix.block(k)) *
-                        way.segment<3>(3 * matrix.graph.items[k]);
-            const Eigen::VectorXd expected = (up.force - down.force) / (2 * step);
-            double worst = 0;
-            for (Index d = 0; d < model.num_dofs(); ++d)
-                if (!model.prescribed[d])
-                    worst = std::max(worst, std::abs(applied[d] - expected[d]));
-            EXPECT_LT(worst, 1e-6 * expected.norm()) << name_of_case(model);
-        }
+        BlockMatrix matrix = solid.make_matrix();
+        solid.tangent(u, matrix);
+        Eigen::VectorXd applied = Eigen::VectorXd::Zero(u.size());
+        for (Index n = 0; n < matrix.num_rows(); ++n)
+            for (Index k = matrix.graph.offsets[n]; k < matrix.graph.offsets[n + 1]; ++k)
+                applied.segment<3>(3 * n) +=
+                    Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+                        matrix.block(k)) *
+                    way.segment<3>(3 * matrix.graph.items[k]);
+        const Eigen::VectorXd expected = (up.force - down.force) / (2 * step);
+        double worst = 0;
+        for (Index d = 0; d < model.num_dofs(); ++d)
+            if (!model.prescribed[d]) worst = std::max(worst, std::abs(applied[d] - expected[d]));
+        EXPECT_LT(worst, 1e-6 * expected.norm()) << name_of_case(model);
+    }
 }
 
 TEST(SolidAssembly, InvertedMatterIsNotValid) {
@@ -117,23 +128,22 @@ bool is_outside(const SolidMesh& mesh, Index node) {
 
 TEST(Equilibrium, AnAffineBoundaryGivesAnAffineInside) {
     const Mat3 slope = (Mat3() << 0.15, 0.1, 0.05, -0.1, -0.12, 0.08, 0.02, 0.05, 0.1).finished();
-    for (const SolidMesh& mesh : meshes())
-        for (const SolidMaterial& material : materials()) {
-            if (mesh.formulation == Formulation::axisymmetric) continue;
-            SolidModel model = model_of(mesh, material);
-            SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
-                             Eigen::VectorXd::Zero(model.num_dofs())};
-            for (Index n = 0; n < mesh.num_nodes(); ++n) {
-                Vec3 u = slope * mesh.nodes[n];
-                if (mesh.formulation != Formulation::solid) u.z() = 0;
-                loads.displacement.segment<3>(3 * n) = u;
-                if (is_outside(mesh, n)) std::fill_n(&model.prescribed[3 * n], 3, 1);
-            }
-            const Equilibrium found = solve_equilibrium(SolidAssembly(model), loads, {});
-            ASSERT_TRUE(found.converged) << name_of_case(model) << ": " << found.message;
-            EXPECT_LT((found.displacement - loads.displacement).cwiseAbs().maxCoeff(), 1e-9)
-                << name_of_case(model);
+    for (SolidModel model : models()) {
+        const SolidMesh& mesh = model.mesh;
+        if (mesh.formulation == Formulation::axisymmetric) continue;
+        SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
+                         Eigen::VectorXd::Zero(model.num_dofs())};
+        for (Index n = 0; n < mesh.num_nodes(); ++n) {
+            Vec3 u = slope * mesh.nodes[n];
+            if (mesh.formulation != Formulation::solid) u.z() = 0;
+            loads.displacement.segment<3>(3 * n) = u;
+            if (is_outside(mesh, n)) std::fill_n(&model.prescribed[3 * n], 3, 1);
         }
+        const Equilibrium found = solve_equilibrium(SolidAssembly(model), loads, {});
+        ASSERT_TRUE(found.converged) << name_of_case(model) << ": " << found.message;
+        EXPECT_LT((found.displacement - loads.displacement).cwiseAbs().maxCoeff(), 1e-9)
+            << name_of_case(model);
+    }
 }
 
 /// Held at x = 0 and pulled at the other end, pushed by forces inside.
@@ -142,8 +152,9 @@ struct LoadedCase {
     SolidLoads loads;
 };
 
-LoadedCase loaded(const SolidMesh& mesh, const SolidMaterial& material) {
-    LoadedCase work{model_of(mesh, material), {}};
+LoadedCase loaded(const SolidModel& model) {
+    const SolidMesh& mesh = model.mesh;
+    LoadedCase work{model, {}};
     work.loads.displacement.setZero(work.model.num_dofs());
     work.loads.force.setZero(work.model.num_dofs());
     const double end = mesh.formulation == Formulation::solid ? 2 : 3;
@@ -172,41 +183,41 @@ double value_of(const LoadedCase& work) {
 }
 
 TEST(SolidAdjoint, GradientsAreThoseOfCentralDifferences) {
-    for (const SolidMesh& mesh : meshes())
-        for (const SolidMaterial& material : materials()) {
-            const LoadedCase work = loaded(mesh, material);
-            const SolidAssembly solid(work.model);
-            EquilibriumOptions options;
-            options.relative_tolerance = 1e-12;
-            const Equilibrium found = solve_equilibrium(solid, work.loads, options);
-            ASSERT_TRUE(found.converged) << name_of_case(work.model) << ": " << found.message;
-            const SolidGradient gradient =
-                solid_gradient(solid, found.displacement, weights(work.model.num_dofs()));
+    for (const SolidModel& model : models()) {
+        const SolidMaterial& material = model.materials[0];
+        const LoadedCase work = loaded(model);
+        const SolidAssembly solid(work.model);
+        EquilibriumOptions options;
+        options.relative_tolerance = 1e-12;
+        const Equilibrium found = solve_equilibrium(solid, work.loads, options);
+        ASSERT_TRUE(found.converged) << name_of_case(work.model) << ": " << found.message;
+        const SolidGradient gradient =
+            solid_gradient(solid, found.displacement, weights(work.model.num_dofs()));
 
-            for (std::size_t k = 0; k < material.parameters.size(); ++k) {
-                const double step = 1e-4 * material.parameters[k];
-                LoadedCase up = work, down = work;
-                up.model.materials[0].parameters[k] += step;
-                down.model.materials[0].parameters[k] -= step;
-                const double expected = (value_of(up) - value_of(down)) / (2 * step);
-                EXPECT_NEAR(gradient.parameters[0][k], expected, 1e-5 * std::abs(expected) + 1e-9)
-                    << name_of_case(work.model) << " parameter " << k;
-            }
-            // Prescribed displacements and forces.
-            for (Index d = 0; d < work.model.num_dofs(); ++d) {
-                const bool is_wall = work.loads.displacement[d] != 0;
-                const bool is_free = !work.model.prescribed[d];
-                if (!is_wall && !(is_free && d % 7 == 1)) continue;
-                constexpr double step = 1e-4;
-                LoadedCase up = work, down = work;
-                (is_wall ? up.loads.displacement : up.loads.force)[d] += step;
-                (is_wall ? down.loads.displacement : down.loads.force)[d] -= step;
-                const double expected = (value_of(up) - value_of(down)) / (2 * step);
-                EXPECT_NEAR((is_wall ? gradient.displacement : gradient.force)[d], expected,
-                            1e-5 * std::abs(expected) + 1e-7)
-                    << name_of_case(work.model) << " dof " << d;
-            }
+        for (std::size_t k = 0; k < material.parameters.size(); ++k) {
+            const double step = 1e-4 * material.parameters[k];
+            LoadedCase up = work, down = work;
+            up.model.materials[0].parameters[k] += step;
+            down.model.materials[0].parameters[k] -= step;
+            const double expected = (value_of(up) - value_of(down)) / (2 * step);
+            EXPECT_NEAR(gradient.parameters[0][k], expected, 1e-5 * std::abs(expected) + 1e-9)
+                << name_of_case(work.model) << " parameter " << k;
         }
+        // Prescribed displacements and forces.
+        for (Index d = 0; d < work.model.num_dofs(); ++d) {
+            const bool is_wall = work.loads.displacement[d] != 0;
+            const bool is_free = !work.model.prescribed[d];
+            if (!is_wall && !(is_free && d % 7 == 1)) continue;
+            constexpr double step = 1e-4;
+            LoadedCase up = work, down = work;
+            (is_wall ? up.loads.displacement : up.loads.force)[d] += step;
+            (is_wall ? down.loads.displacement : down.loads.force)[d] -= step;
+            const double expected = (value_of(up) - value_of(down)) / (2 * step);
+            EXPECT_NEAR((is_wall ? gradient.displacement : gradient.force)[d], expected,
+                        1e-5 * std::abs(expected) + 1e-7)
+                << name_of_case(work.model) << " dof " << d;
+        }
+    }
 }
 
 TEST(Equilibrium, AHeavyLoadIsReachedInSteps) {

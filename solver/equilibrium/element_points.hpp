@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+
+#include "solver/base/tensor3.hpp"
+#include "solver/model/solid_model.hpp"
+
+namespace palpate {
+
+constexpr int most_element_points = 4;
+
+/// What the loops need of one element.
+struct ElementPoints {
+    std::span<const Index> nodes;
+    std::span<const PointGeometry> geometry;  ///< [num_points]
+};
+
+/// One tensor per point of an element.
+using PointTensors = std::array<Tensor3<double>, most_element_points>;
+
+/// H at one point of the displacement u [3 num_nodes].
+inline Tensor3<double> displacement_gradient(const ElementPoints& element, const PointGeometry& at,
+                                             const Eigen::VectorXd& u) {
+    Tensor3<double> h{};
+    for (std::size_t a = 0; a < element.nodes.size(); ++a) {
+        const double* ua = u.data() + 3 * static_cast<std::size_t>(element.nodes[a]);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) h.m[3 * i + j] += ua[i] * at.gradient[a][j];
+        h.m[8] += ua[0] * at.hoop[a];
+    }
+    return h;
+}
+
+/// dH by component j of node b.
+inline Tensor3<double> unit_gradient(const PointGeometry& at, std::size_t b, int j) {
+    Tensor3<double> h{};
+    for (int k = 0; k < 3; ++k) h.m[3 * j + k] = at.gradient[b][k];
+    if (j == 0) h.m[8] += at.hoop[b];
+    return h;
+}
+
+/// P : dH/du_a, the force of the stress P on node a, without the volume.
+inline Vec3 force_on(const Tensor3<double>& stress, const PointGeometry& at, std::size_t a) {
+    Vec3 force;
+    for (int i = 0; i < 3; ++i)
+        force[i] = stress.m[3 * i] * at.gradient[a][0] + stress.m[3 * i + 1] * at.gradient[a][1] +
+                   stress.m[3 * i + 2] * at.gradient[a][2];
+    force[0] += stress.m[8] * at.hoop[a];
+    return force;
+}
+
+}  // namespace palpate

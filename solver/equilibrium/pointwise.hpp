@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "solver/equilibrium/element_points.hpp"
+#include "solver/equilibrium/point_response.hpp"
+
+namespace palpate {
+
+/// The response of an element whose points know nothing of each other.
+template <class PointResponse>
+class Pointwise {
+public:
+    template <class Law>
+    Pointwise(const Law& law, const ElementPoints& element, const Eigen::VectorXd& u)
+        : element_(element), count_(element.geometry.size()) {
+        for (std::size_t q = 0; q < count_; ++q)
+            points_[q].emplace(law, displacement_gradient(element, element.geometry[q], u));
+    }
+
+    bool is_valid() const {
+        for (std::size_t q = 0; q < count_; ++q)
+            if (!points_[q]->is_valid()) return false;
+        return true;
+    }
+    double energy() const {
+        double sum = 0;
+        for (std::size_t q = 0; q < count_; ++q)
+            sum += element_.geometry[q].volume * points_[q]->energy();
+        return sum;
+    }
+    void stress(PointTensors& p) const {
+        for (std::size_t q = 0; q < count_; ++q) p[q] = points_[q]->stress();
+    }
+    /// dP for changes dH of the points' displacement gradients.
+    void tangent_apply(const PointTensors& dh, PointTensors& dp) const {
+        for (std::size_t q = 0; q < count_; ++q) dp[q] = points_[q]->tangent_apply(dh[q]);
+    }
+    /// dP by parameter k of the law.
+    void parameter_stress(int k, PointTensors& dp) const {
+        for (std::size_t q = 0; q < count_; ++q) dp[q] = points_[q]->parameter_stress(k);
+    }
+
+private:
+    const ElementPoints& element_;
+    std::size_t count_;
+    std::array<std::optional<PointResponse>, most_element_points> points_;
+};
+
+}  // namespace palpate
