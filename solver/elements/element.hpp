@@ -25,6 +25,9 @@ struct ElementTable {
     std::vector<double> weight;     ///< [num_points], their sum is the reference element's size
     std::vector<double> value;      ///< [num_points, num_nodes] N_a
     std::vector<double> gradient;   ///< [num_points, num_nodes, dimension] dN_a / d xi_j
+    /// Nodes of each face (in a plane: of each edge), corners first, so that the normal points
+    /// outward (in a plane: to the right of the way along it).
+    std::vector<std::vector<int>> faces;
 };
 
 /// The table of a type; made once.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "solver/elements/element.hpp"
 
@@ -16,6 +17,7 @@ struct ElementShape {
     std::span<const double> reference;  ///< [num_nodes, dimension]
     std::span<const double> place;      ///< [num_points, dimension]
     std::span<const double> weight;     ///< [num_points]
+    std::vector<std::vector<int>> faces;
 };
 
 }  // namespace palpate

@@ -27,7 +27,8 @@ inline ElementShape quad4_shape() {
             },
             reference,
             place,
-            weight};
+            weight,
+            {{0, 1}, {1, 2}, {2, 3}, {3, 0}}};
 }
 
 }  // namespace palpate

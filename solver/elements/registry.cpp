@@ -27,6 +27,7 @@ ElementTable table_of(const ElementShape& shape) {
     table.dimension = shape.dimension;
     table.num_nodes = shape.num_nodes;
     table.num_corners = shape.num_corners;
+    table.faces = shape.faces;
     table.num_points = static_cast<int>(shape.weight.size());
     table.reference.assign(shape.reference.begin(), shape.reference.end());
     table.place.assign(shape.place.begin(), shape.place.end());

@@ -28,7 +28,8 @@ inline ElementShape tet10_shape() {
         [](const double* xi, ShapeFunctions& out) { quadratic_simplex<3>(xi, tet10_edges, out); },
         reference,
         place,
-        weight};
+        weight,
+        {{0, 2, 1, 6, 5, 4}, {0, 1, 3, 4, 8, 7}, {1, 2, 3, 5, 9, 8}, {0, 3, 2, 7, 9, 6}}};
 }
 
 }  // namespace palpate

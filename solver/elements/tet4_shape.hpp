@@ -12,7 +12,15 @@ inline ElementShape tet4_shape() {
     static constexpr double place[] = {0.25, 0.25, 0.25};
     static constexpr double weight[] = {1.0 / 6};
     static constexpr double reference[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-    return {"tet4", 3, 4, 4, linear_simplex<3>, reference, place, weight};
+    return {"tet4",
+            3,
+            4,
+            4,
+            linear_simplex<3>,
+            reference,
+            place,
+            weight,
+            {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 }
 
 }  // namespace palpate

@@ -12,7 +12,7 @@ inline ElementShape tri3_shape() {
     static constexpr double place[] = {1.0 / 3, 1.0 / 3};
     static constexpr double weight[] = {0.5};
     static constexpr double reference[] = {0, 0, 1, 0, 0, 1};
-    return {"tri3", 2, 3, 3, linear_simplex<2>, reference, place, weight};
+    return {"tri3", 2, 3, 3, linear_simplex<2>, reference, place, weight, {{0, 1}, {1, 2}, {2, 0}}};
 }
 
 }  // namespace palpate

@@ -24,7 +24,8 @@ inline ElementShape tri6_shape() {
         [](const double* xi, ShapeFunctions& out) { quadratic_simplex<2>(xi, tri6_edges, out); },
         reference,
         place,
-        weight};
+        weight,
+        {{0, 1, 3}, {1, 2, 4}, {2, 0, 5}}};
 }
 
 }  // namespace palpate

@@ -5,9 +5,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
+#include <type_traits>
 
 #include "solver/equilibrium/mean_dilatation.hpp"
+#include "solver/equilibrium/mean_trace.hpp"
 #include "solver/equilibrium/pointwise.hpp"
+#include "solver/materials/linear_law.hpp"
 
 // Energy, forces and stiffness of one element of any type, law and formulation.
 namespace palpate {
@@ -27,7 +30,11 @@ void with_response(const SolidModel& model, const Law& law, const ElementPoints&
     if (model.mesh.formulation == Formulation::plane_stress) {
         work(Pointwise<PlaneStressResponse<Law>>(law, element, u));
     } else if (model.volume == VolumeTreatment::element_mean) {
-        work(MeanDilatation<Law>(law, element, u));
+        if constexpr (std::is_same_v<Law, LinearLaw<double>>) {
+            work(MeanTrace<Law>(law, element, u));
+        } else {
+            work(MeanDilatation<Law>(law, element, u));
+        }
     } else {
         work(Pointwise<FullResponse<Law>>(law, element, u));
     }

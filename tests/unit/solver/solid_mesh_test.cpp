@@ -9,6 +9,7 @@
 
 #include "solver/base/error.hpp"
 #include "solver/model/quadratic_mesh.hpp"
+#include "solver/model/surface_load.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate {
@@ -69,6 +70,37 @@ TEST(SolidMesh, VolumesAddUp) {
     // A cylinder of radius 3 and height 2.
     EXPECT_NEAR(volume_of(rectangle(ElementType::quad4, Formulation::axisymmetric)),
                 std::numbers::pi * 9 * 2, 1e-10);
+}
+
+// The divergence theorem: a closed surface under a traction -p n pulls nowhere, and x . n over it
+// is three times (in a plane twice) the volume inside.
+TEST(SurfaceLoad, BoundaryFacesAreClosedAndFaceOutward) {
+    for (const SolidMesh& mesh : every_kind()) {
+        const auto faces = boundary_faces(mesh);
+        const bool is_solid = mesh.formulation == Formulation::solid;
+        if (mesh.formulation == Formulation::axisymmetric) continue;
+        const Eigen::VectorXd pressure =
+            traction_forces(mesh, faces, [](const Vec3&, const Vec3& n) { return Vec3(-n); });
+        Vec3 sum = Vec3::Zero();
+        double work = 0;
+        for (Index n = 0; n < mesh.num_nodes(); ++n) {
+            sum += pressure.segment<3>(3 * n);
+            work -= pressure.segment<3>(3 * n).dot(mesh.nodes[n]);
+        }
+        EXPECT_LT(sum.norm(), 1e-12) << mesh.table().name;
+        EXPECT_NEAR(work, (is_solid ? 3 : 2) * volume_of(mesh), 1e-12) << mesh.table().name;
+    }
+}
+
+TEST(SurfaceLoad, AboutAnAxisTheWholeCircumferenceIsLoaded) {
+    const SolidMesh mesh = rectangle(ElementType::quad4, Formulation::axisymmetric);
+    const auto lid = boundary_faces(mesh, [&](Index n) { return mesh.nodes[n].y() > 2 - 1e-9; });
+    EXPECT_EQ(lid.size(), 3u);
+    const Eigen::VectorXd forces =
+        traction_forces(mesh, lid, [](const Vec3&, const Vec3& n) { return n; });
+    double sum = 0;
+    for (Index n = 0; n < mesh.num_nodes(); ++n) sum += forces[3 * n + 1];
+    EXPECT_NEAR(sum, std::numbers::pi * 9, 1e-12);
 }
 
 TEST(SolidMesh, TheHoopStrainOfARadialStretchIsTheStretch) {

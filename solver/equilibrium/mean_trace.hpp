@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "solver/equilibrium/element_points.hpp"
+
+namespace palpate {
+
+/// The mean dilatation of small strains (B-bar, Hughes 1980): every point has the mean trace of its
+/// element, H' = H + (mean tr H - tr H) I / 3, so that the law stays linear in the displacement.
+/// The stress on H is P' with its mean pressure replaced by the element's.
+template <class Law>
+class MeanTrace {
+public:
+    MeanTrace(const Law& law, const ElementPoints& element, const Eigen::VectorXd& u)
+        : law_(law), element_(element), count_(element.geometry.size()) {
+        PointTensors h;
+        for (std::size_t q = 0; q < count_; ++q)
+            h[q] = displacement_gradient(element, element.geometry[q], u);
+        give_mean_trace(h);
+        for (std::size_t q = 0; q < count_; ++q) states_[q] = law.state(h[q]);
+    }
+
+    bool is_valid() const {
+        for (std::size_t q = 0; q < count_; ++q)
+            if (!states_[q]->is_valid) return false;
+        return true;
+    }
+    double energy() const {
+        double sum = 0;
+        for (std::size_t q = 0; q < count_; ++q)
+            sum += element_.geometry[q].volume * law_.energy(*states_[q]);
+        return sum;
+    }
+    void stress(PointTensors& p) const {
+        for (std::size_t q = 0; q < count_; ++q) p[q] = law_.stress(*states_[q]);
+        give_mean_trace(p);
+    }
+    void tangent_apply(const PointTensors& dh, PointTensors& dp) const {
+        PointTensors given = dh;
+        give_mean_trace(given);
+        for (std::size_t q = 0; q < count_; ++q) dp[q] = law_.tangent_apply(*states_[q], given[q]);
+        give_mean_trace(dp);
+    }
+    void parameter_stress(int k, PointTensors& dp) const {
+        for (std::size_t q = 0; q < count_; ++q) dp[q] = law_.parameter_stress(*states_[q], k);
+        give_mean_trace(dp);
+    }
+
+private:
+    /// A symmetric projection in the inner product of the volumes: it serves H and P alike.
+    void give_mean_trace(PointTensors& tensors) const {
+        double sum = 0, volume = 0;
+        for (std::size_t q = 0; q < count_; ++q) {
+            sum += element_.geometry[q].volume * trace(tensors[q]);
+            volume += element_.geometry[q].volume;
+        }
+        for (std::size_t q = 0; q < count_; ++q)
+            add_diagonal(tensors[q], (sum / volume - trace(tensors[q])) / 3);
+    }
+
+    const Law& law_;
+    const ElementPoints& element_;
+    std::size_t count_;
+    std::array<std::optional<typename Law::State>, most_element_points> states_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/model/surface_load.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+/// One point of a face: shape functions, and what of the surface it stands for.
+struct FacePoint {
+    double value[6] = {};
+    Vec3 place = Vec3::Zero();
+    Vec3 area = Vec3::Zero();  ///< outward normal times mm^2 (in a plane: mm)
+};
+
+std::vector<FacePoint> triangle_points(const SolidMesh& mesh, const Face& face) {
+    const ElementType type = face.size() == 3 ? ElementType::tri3 : ElementType::tri6;
+    const ElementTable& rule = element_table(ElementType::tri6);
+    std::vector<FacePoint> points;
+    for (int q = 0; q < rule.num_points; ++q) {
+        const ShapeFunctions at = shape_functions(type, &rule.place[2 * q]);
+        FacePoint point;
+        Vec3 along[2] = {Vec3::Zero(), Vec3::Zero()};
+        for (std::size_t a = 0; a < face.size(); ++a) {
+            point.value[a] = at.value[a];
+            point.place += at.value[a] * mesh.nodes[face[a]];
+            for (int j = 0; j < 2; ++j) along[j] += at.gradient[a][j] * mesh.nodes[face[a]];
+        }
+        point.area = rule.weight[q] * along[0].cross(along[1]);
+        points.push_back(point);
+    }
+    return points;
+}
+
+/// Three Gauss points on [-1, 1]; the third node of a quadratic edge is its middle.
+std::vector<FacePoint> edge_points(const SolidMesh& mesh, const Face& face) {
+    static const double far = std::sqrt(0.6);
+    const double place[] = {-far, 0, far}, weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+    std::vector<FacePoint> points;
+    for (int q = 0; q < 3; ++q) {
+        const double t = place[q];
+        const bool is_linear = face.size() == 2;
+        const double value[] = {is_linear ? 0.5 * (1 - t) : 0.5 * t * (t - 1),
+                                is_linear ? 0.5 * (1 + t) : 0.5 * t * (t + 1), 1 - t * t};
+        const double slope[] = {is_linear ? -0.5 : t - 0.5, is_linear ? 0.5 : t + 0.5, -2 * t};
+        FacePoint point;
+        Vec3 along = Vec3::Zero();
+        for (std::size_t a = 0; a < face.size(); ++a) {
+            point.value[a] = value[a];
+            point.place += value[a] * mesh.nodes[face[a]];
+            along += slope[a] * mesh.nodes[face[a]];
+        }
+        point.area = weight[q] * Vec3(along.y(), -along.x(), 0);
+        points.push_back(point);
+    }
+    return points;
+}
+
+/// mm that an edge extends across its plane.
+double depth_at(const SolidMesh& mesh, const Vec3& place) {
+    if (mesh.formulation == Formulation::solid) return 1;
+    if (mesh.formulation == Formulation::axisymmetric) return 2 * std::numbers::pi * place.x();
+    return mesh.thickness_mm;
+}
+
+}  // namespace
+
+std::vector<Face> boundary_faces(const SolidMesh& mesh,
+                                 const std::function<bool(Index node)>& is_wanted) {
+    std::map<Face, int> times_met;
+    const auto sorted = [](Face face) {
+        std::sort(face.begin(), face.end());
+        return face;
+    };
+    std::vector<Face> all;
+    for (Index e = 0; e < mesh.num_elements(); ++e)
+        for (const auto& local : mesh.table().faces) {
+            Face face;
+            for (const int a : local) face.push_back(mesh.nodes_of(e)[a]);
+            ++times_met[sorted(face)];
+            all.push_back(std::move(face));
+        }
+    std::erase_if(all, [&](const Face& face) {
+        return times_met.at(sorted(face)) > 1 ||
+               (is_wanted && !std::all_of(face.begin(), face.end(), is_wanted));
+    });
+    return all;
+}
+
+Eigen::VectorXd traction_forces(const SolidMesh& mesh, const std::vector<Face>& faces,
+                                const Traction& traction) {
+    Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * mesh.num_nodes());
+    const bool is_solid = mesh.formulation == Formulation::solid;
+    for (const Face& face : faces)
+        for (const FacePoint& point :
+             is_solid ? triangle_points(mesh, face) : edge_points(mesh, face)) {
+            const double area = point.area.norm();
+            const Vec3 force =
+                depth_at(mesh, point.place) * area * traction(point.place, point.area / area);
+            for (std::size_t a = 0; a < face.size(); ++a)
+                forces.segment<3>(3 * face[a]) += point.value[a] * force;
+        }
+    return forces;
+}
+
+}  // namespace palpate
