@@ -10,7 +10,7 @@
 #include "solver/equilibrium/mean_dilatation.hpp"
 #include "solver/equilibrium/mean_trace.hpp"
 #include "solver/equilibrium/pointwise.hpp"
-#include "solver/materials/linear_law.hpp"
+#include "solver/equilibrium/viscous_step.hpp"
 
 // Energy, forces and stiffness of one element of any type, law and formulation.
 namespace palpate {
@@ -24,28 +24,30 @@ using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, E
                                        3 * most_element_nodes, 3 * most_element_nodes>;
 
 /// Calls `work` with the response of the element that formulation and volume treatment ask for.
-template <class Law, class Work>
-void with_response(const SolidModel& model, const Law& law, const ElementPoints& element,
+/// `law_at(q)`: the law of point q.
+template <class LawAt, class Work>
+void with_response(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
                    const Eigen::VectorXd& u, Work&& work) {
+    using Law = std::decay_t<decltype(law_at(std::size_t{0}))>;
     if (model.mesh.formulation == Formulation::plane_stress) {
-        work(Pointwise<PlaneStressResponse<Law>>(law, element, u));
+        work(Pointwise<PlaneStressResponse<Law>>(law_at, element, u));
     } else if (model.volume == VolumeTreatment::element_mean) {
-        if constexpr (std::is_same_v<Law, LinearLaw<double>>) {
-            work(MeanTrace<Law>(law, element, u));
+        if constexpr (is_small_strain<Law>) {
+            work(MeanTrace<Law>(law_at, element, u));
         } else {
-            work(MeanDilatation<Law>(law, element, u));
+            work(MeanDilatation<Law>(law_at, element, u));
         }
     } else {
-        work(Pointwise<FullResponse<Law>>(law, element, u));
+        work(Pointwise<FullResponse<Law>>(law_at, element, u));
     }
 }
 
-template <class Law>
-ElementForce element_force(const SolidModel& model, const Law& law, const ElementPoints& element,
-                           const Eigen::VectorXd& u) {
+template <class LawAt>
+ElementForce element_force(const SolidModel& model, const LawAt& law_at,
+                           const ElementPoints& element, const Eigen::VectorXd& u) {
     ElementForce result;
     result.force.fill(Vec3::Zero());
-    with_response(model, law, element, u, [&](const auto& response) {
+    with_response(model, law_at, element, u, [&](const auto& response) {
         if (!response.is_valid()) {
             result.energy = std::numeric_limits<double>::infinity();
             return;
@@ -61,12 +63,12 @@ ElementForce element_force(const SolidModel& model, const Law& law, const Elemen
     return result;
 }
 
-template <class Law>
-void element_tangent(const SolidModel& model, const Law& law, const ElementPoints& element,
+template <class LawAt>
+void element_tangent(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
                      const Eigen::VectorXd& u, ElementStiffness& stiffness) {
     const auto size = static_cast<Eigen::Index>(3 * element.nodes.size());
     stiffness.setZero(size, size);
-    with_response(model, law, element, u, [&](const auto& response) {
+    with_response(model, law_at, element, u, [&](const auto& response) {
         if (!response.is_valid()) return;
         PointTensors direction, change;
         for (std::size_t b = 0; b < element.nodes.size(); ++b)
@@ -85,11 +87,11 @@ void element_tangent(const SolidModel& model, const Law& law, const ElementPoint
 
 /// lambda . df/dp for parameter p number k of the law: sum over the points of
 /// volume dP/dp : grad lambda.
-template <class Law>
-double parameter_product(const SolidModel& model, const Law& law, const ElementPoints& element,
+template <class LawAt>
+double parameter_product(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
                          const Eigen::VectorXd& u, const Eigen::VectorXd& lambda, int k) {
     double sum = 0;
-    with_response(model, law, element, u, [&](const auto& response) {
+    with_response(model, law_at, element, u, [&](const auto& response) {
         if (!response.is_valid()) return;
         PointTensors change;
         response.parameter_stress(k, change);
@@ -99,6 +101,15 @@ double parameter_product(const SolidModel& model, const Law& law, const ElementP
                 double_dot(change[q], displacement_gradient(element, element.geometry[q], lambda));
     });
     return sum;
+}
+
+/// H of every point as its law has it.
+template <class LawAt>
+void law_gradients(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
+                   const Eigen::VectorXd& u, PointTensors& h) {
+    with_response(model, law_at, element, u, [&](const auto& response) {
+        for (std::size_t q = 0; q < element.geometry.size(); ++q) h[q] = response.gradient(q);
+    });
 }
 
 }  // namespace palpate

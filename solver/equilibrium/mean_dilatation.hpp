@@ -19,11 +19,14 @@ namespace palpate {
 template <class Law>
 class MeanDilatation {
 public:
-    MeanDilatation(const Law& law, const ElementPoints& element, const Eigen::VectorXd& u)
-        : law_(law), element_(element), count_(element.geometry.size()) {
+    /// `law_at(q)`: the law of point q.
+    template <class LawAt>
+    MeanDilatation(const LawAt& law_at, const ElementPoints& element, const Eigen::VectorXd& u)
+        : element_(element), count_(element.geometry.size()) {
         double sum = 0;
         for (std::size_t q = 0; q < count_; ++q) {
             Point& point = points_[q];
+            point.law.emplace(law_at(q));
             point.f = displacement_gradient(element, element.geometry[q], u);
             point.volume_change = determinant_change(point.f);
             volume_ += element.geometry[q].volume;
@@ -45,7 +48,7 @@ public:
     double energy() const {
         double sum = 0;
         for (std::size_t q = 0; q < count_; ++q)
-            sum += element_.geometry[q].volume * law_.energy(*points_[q].state);
+            sum += element_.geometry[q].volume * points_[q].law->energy(*points_[q].state);
         return sum;
     }
     void stress(PointTensors& p) const {
@@ -69,7 +72,7 @@ public:
             const Point& point = points_[q];
             scale_change[q] = point.scale / 3 * (theta_change / theta_ - rate[q]);
             const auto df = sum_of(point.scale, dh[q], scale_change[q], point.f);
-            stress_change[q] = law_.tangent_apply(*point.state, df);
+            stress_change[q] = point.law->tangent_apply(*point.state, df);
         }
         std::array<double, most_element_points> pressure_change;
         for (std::size_t q = 0; q < count_; ++q) {
@@ -95,7 +98,7 @@ public:
     void parameter_stress(int k, PointTensors& dp) const {
         std::array<double, most_element_points> pressure_change;
         for (std::size_t q = 0; q < count_; ++q) {
-            dp[q] = law_.parameter_stress(*points_[q].state, k);
+            dp[q] = points_[q].law->parameter_stress(*points_[q].state, k);
             pressure_change[q] = points_[q].scale * double_dot(dp[q], points_[q].f) / 3;
         }
         const double mean_change = mean_of(pressure_change);
@@ -106,12 +109,16 @@ public:
         }
     }
 
+    const Tensor3<double>& gradient(std::size_t q) const { return points_[q].h; }
+
 private:
     struct Point {
+        std::optional<Law> law;
         Tensor3<double> f;                         ///< F (H until it is evaluated)
         double volume_change = 0;                  ///< J - 1
         Tensor3<double> g;                         ///< F^-T
         double scale = 1;                          ///< s
+        Tensor3<double> h;                         ///< F' - I
         std::optional<typename Law::State> state;  ///< of F'
         Tensor3<double> stress;                    ///< P(F')
         double pressure = 0;                       ///< P(F') : F' / 3
@@ -130,8 +137,9 @@ private:
         point.scale = std::exp(log_scale);
         Tensor3<double> h = scaled(point.f, point.scale);
         add_diagonal(h, std::expm1(log_scale));
-        point.state = law_.state(h);
-        point.stress = law_.stress(*point.state);
+        point.state = point.law->state(h);
+        point.stress = point.law->stress(*point.state);
+        point.h = h;
         add_diagonal(point.f, 1.0);
         point.g = scaled(cofactors(point.f), 1 / (1 + point.volume_change));
         point.pressure = point.scale * double_dot(point.stress, point.f) / 3;
@@ -143,7 +151,6 @@ private:
         return sum / (volume_ * theta_);
     }
 
-    const Law& law_;
     const ElementPoints& element_;
     std::size_t count_;
     std::array<Point, most_element_points> points_;

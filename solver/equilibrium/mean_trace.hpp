@@ -15,13 +15,17 @@ namespace palpate {
 template <class Law>
 class MeanTrace {
 public:
-    MeanTrace(const Law& law, const ElementPoints& element, const Eigen::VectorXd& u)
-        : law_(law), element_(element), count_(element.geometry.size()) {
-        PointTensors h;
+    /// `law_at(q)`: the law of point q.
+    template <class LawAt>
+    MeanTrace(const LawAt& law_at, const ElementPoints& element, const Eigen::VectorXd& u)
+        : element_(element), count_(element.geometry.size()) {
         for (std::size_t q = 0; q < count_; ++q)
-            h[q] = displacement_gradient(element, element.geometry[q], u);
-        give_mean_trace(h);
-        for (std::size_t q = 0; q < count_; ++q) states_[q] = law.state(h[q]);
+            h_[q] = displacement_gradient(element, element.geometry[q], u);
+        give_mean_trace(h_);
+        for (std::size_t q = 0; q < count_; ++q) {
+            laws_[q].emplace(law_at(q));
+            states_[q] = laws_[q]->state(h_[q]);
+        }
     }
 
     bool is_valid() const {
@@ -32,23 +36,26 @@ public:
     double energy() const {
         double sum = 0;
         for (std::size_t q = 0; q < count_; ++q)
-            sum += element_.geometry[q].volume * law_.energy(*states_[q]);
+            sum += element_.geometry[q].volume * laws_[q]->energy(*states_[q]);
         return sum;
     }
     void stress(PointTensors& p) const {
-        for (std::size_t q = 0; q < count_; ++q) p[q] = law_.stress(*states_[q]);
+        for (std::size_t q = 0; q < count_; ++q) p[q] = laws_[q]->stress(*states_[q]);
         give_mean_trace(p);
     }
     void tangent_apply(const PointTensors& dh, PointTensors& dp) const {
         PointTensors given = dh;
         give_mean_trace(given);
-        for (std::size_t q = 0; q < count_; ++q) dp[q] = law_.tangent_apply(*states_[q], given[q]);
+        for (std::size_t q = 0; q < count_; ++q)
+            dp[q] = laws_[q]->tangent_apply(*states_[q], given[q]);
         give_mean_trace(dp);
     }
     void parameter_stress(int k, PointTensors& dp) const {
-        for (std::size_t q = 0; q < count_; ++q) dp[q] = law_.parameter_stress(*states_[q], k);
+        for (std::size_t q = 0; q < count_; ++q) dp[q] = laws_[q]->parameter_stress(*states_[q], k);
         give_mean_trace(dp);
     }
+
+    const Tensor3<double>& gradient(std::size_t q) const { return h_[q]; }
 
 private:
     /// A symmetric projection in the inner product of the volumes: it serves H and P alike.
@@ -62,9 +69,10 @@ private:
             add_diagonal(tensors[q], (sum / volume - trace(tensors[q])) / 3);
     }
 
-    const Law& law_;
     const ElementPoints& element_;
     std::size_t count_;
+    PointTensors h_;
+    std::array<std::optional<Law>, most_element_points> laws_;
     std::array<std::optional<typename Law::State>, most_element_points> states_;
 };
 

@@ -28,10 +28,12 @@ void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
 class EquilibriumSolve {
 public:
     EquilibriumSolve(const SolidAssembly& solid, const SolidLoads& loads,
-                     const EquilibriumOptions& options, const ProgressSink& progress)
+                     const EquilibriumOptions& options, const EquilibriumStart& start,
+                     const ProgressSink& progress)
         : solid_(solid),
           loads_(loads),
           options_(options),
+          start_(start),
           progress_(progress),
           tangent_(solid, options.direct_library) {}
 
@@ -47,6 +49,14 @@ private:
     };
 
     State state_at(const Eigen::VectorXd& u, double load) const;
+    /// At a part of the way from the start to the full load.
+    double force_at(Eigen::Index dof, double load) const {
+        return start_.force[dof] + load * (loads_.force[dof] - start_.force[dof]);
+    }
+    double displacement_at(Eigen::Index dof, double load) const {
+        return start_.displacement[dof] +
+               load * (loads_.displacement[dof] - start_.displacement[dof]);
+    }
     double relative_residual(const State& state);
     bool reach(double load, State& state);
     bool advance_walls(double load, State& state);
@@ -55,6 +65,7 @@ private:
     const SolidAssembly& solid_;
     const SolidLoads& loads_;
     const EquilibriumOptions& options_;
+    EquilibriumStart start_;
     const ProgressSink& progress_;
     TangentSolve tangent_;
     double force_scale_ = 0;  ///< largest norm of forces met
@@ -67,8 +78,8 @@ EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, dou
     if (!state.inner.is_valid) return state;
     for (Eigen::Index d = 0; d < u.size(); ++d) {
         if (tangent_.free().number[d] < 0) continue;
-        state.residual[d] = load * loads_.force[d] - state.inner.force[d];
-        state.total_energy -= load * loads_.force[d] * u[d];
+        state.residual[d] = force_at(d, load) - state.inner.force[d];
+        state.total_energy -= force_at(d, load) * u[d];
     }
     return state;
 }
@@ -84,7 +95,7 @@ double EquilibriumSolve::relative_residual(const State& state) {
 bool EquilibriumSolve::advance_walls(double load, State& state) {
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
     for (Eigen::Index d = 0; d < change.size(); ++d)
-        if (solid_.model().prescribed[d]) change[d] = load * loads_.displacement[d] - state.u[d];
+        if (solid_.model().prescribed[d]) change[d] = displacement_at(d, load) - state.u[d];
     if (!tangent_.factorise(state.u)) return false;
     tangent_.solve(state_at(state.u, load).residual, change);
     State next = state_at(state.u + change, load);
@@ -132,7 +143,7 @@ bool EquilibriumSolve::reach(double load, State& state) {
 
 Equilibrium EquilibriumSolve::run() {
     Equilibrium result;
-    State reached = state_at(Eigen::VectorXd::Zero(solid_.model().num_dofs()), 0);
+    State reached = state_at(start_.displacement, 0);
     double step = std::clamp(options_.first_step, options_.smallest_step, 1.0);
     while (result.load < 1 && step >= options_.smallest_step) {
         const double load = std::min(1.0, result.load + step);
@@ -163,9 +174,13 @@ Equilibrium EquilibriumSolve::run() {
 }  // namespace
 
 Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& loads,
-                              const EquilibriumOptions& options, const ProgressSink& progress) {
+                              const EquilibriumOptions& options, const EquilibriumStart& start,
+                              const ProgressSink& progress) {
     check_loads(solid, loads);
-    return EquilibriumSolve(solid, loads, options, progress).run();
+    EquilibriumStart from = start;
+    if (from.displacement.size() == 0) from.displacement.setZero(loads.displacement.size());
+    if (from.force.size() == 0) from.force.setZero(loads.force.size());
+    return EquilibriumSolve(solid, loads, options, from, progress).run();
 }
 
 }  // namespace palpate

@@ -45,6 +45,12 @@ struct Equilibrium {
     std::vector<NewtonRecord> records;
 };
 
+/// Where a load path begins: an equilibrium under these forces. Empty: at rest, without load.
+struct EquilibriumStart {
+    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
+    Eigen::VectorXd force;         ///< [3 num_nodes] mN
+};
+
 /// Static equilibrium f(u) = force at free dofs, u = displacement at prescribed ones, by Newton's
 /// method on a sparse factorisation of the tangent. A line search keeps matter from inverting and
 /// the total energy (stored less the work of the forces) from growing; a load step that fails is
@@ -52,6 +58,7 @@ struct Equilibrium {
 /// result, which then holds the last equilibrium. Throws Error(invalid_argument) for loads of the
 /// wrong size or not finite.
 Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& loads,
-                              const EquilibriumOptions& options, const ProgressSink& progress = {});
+                              const EquilibriumOptions& options, const EquilibriumStart& start = {},
+                              const ProgressSink& progress = {});
 
 }  // namespace palpate

@@ -15,7 +15,8 @@ class FullResponse {
 public:
     using State = typename Law::State;
 
-    FullResponse(const Law& law, const Tensor3<double>& h) : law_(law), state_(law.state(h)) {}
+    FullResponse(const Law& law, const Tensor3<double>& h)
+        : law_(law), h_(h), state_(law.state(h)) {}
 
     bool is_valid() const { return state_.is_valid; }
     double energy() const { return law_.energy(state_); }
@@ -26,8 +27,12 @@ public:
     /// dP by parameter k of the law, H held.
     Tensor3<double> parameter_stress(int k) const { return law_.parameter_stress(state_, k); }
 
+    /// H as the law has it.
+    const Tensor3<double>& gradient() const { return h_; }
+
 private:
-    const Law& law_;
+    Law law_;
+    Tensor3<double> h_;
     State state_;
 };
 
@@ -38,7 +43,8 @@ class PlaneStressResponse {
 public:
     using State = typename Law::State;
 
-    PlaneStressResponse(const Law& law, Tensor3<double> h) : law_(law), state_(law.state(h)) {
+    PlaneStressResponse(const Law& law, const Tensor3<double>& in_plane)
+        : law_(law), h_(in_plane), state_(law.state(in_plane)) {
         constexpr int most_steps = 50;
         constexpr double small_step = 1e-14;
         for (int step = 0; step < most_steps; ++step) {
@@ -46,14 +52,14 @@ public:
             across_ = law_.tangent_apply(state_, unit_across());
             if (!(across_.m[8] > 0)) break;
             double change = -law_.stress(state_).m[8] / across_.m[8];
-            State next = with_across(h, change);
+            State next = with_across(change);
             while (!next.is_valid && std::abs(change) > small_step) {
                 change *= 0.5;
-                next = with_across(h, change);
+                next = with_across(change);
             }
-            h.m[8] += change;
+            h_.m[8] += change;
             state_ = next;
-            if (std::abs(change) <= small_step * (1 + std::abs(h.m[8]))) {
+            if (std::abs(change) <= small_step * (1 + std::abs(h_.m[8]))) {
                 across_ = law_.tangent_apply(state_, unit_across());
                 is_solved_ = across_.m[8] > 0;
                 return;
@@ -71,6 +77,8 @@ public:
     Tensor3<double> parameter_stress(int k) const {
         return relaxed(law_.parameter_stress(state_, k));
     }
+    /// H as the law has it, H_zz solved for.
+    const Tensor3<double>& gradient() const { return h_; }
 
 private:
     /// A change of stress at a held H_zz, once H_zz has followed.
@@ -84,12 +92,14 @@ private:
         unit.m[8] = 1;
         return unit;
     }
-    State with_across(Tensor3<double> h, double change) const {
+    State with_across(double change) const {
+        Tensor3<double> h = h_;
         h.m[8] += change;
         return law_.state(h);
     }
 
-    const Law& law_;
+    Law law_;
+    Tensor3<double> h_;
     State state_;
     Tensor3<double> across_{};
     bool is_solved_ = false;

@@ -14,11 +14,12 @@ namespace palpate {
 template <class PointResponse>
 class Pointwise {
 public:
-    template <class Law>
-    Pointwise(const Law& law, const ElementPoints& element, const Eigen::VectorXd& u)
+    /// `law_at(q)`: the law of point q.
+    template <class LawAt>
+    Pointwise(const LawAt& law_at, const ElementPoints& element, const Eigen::VectorXd& u)
         : element_(element), count_(element.geometry.size()) {
         for (std::size_t q = 0; q < count_; ++q)
-            points_[q].emplace(law, displacement_gradient(element, element.geometry[q], u));
+            points_[q].emplace(law_at(q), displacement_gradient(element, element.geometry[q], u));
     }
 
     bool is_valid() const {
@@ -43,6 +44,8 @@ public:
     void parameter_stress(int k, PointTensors& dp) const {
         for (std::size_t q = 0; q < count_; ++q) dp[q] = points_[q]->parameter_stress(k);
     }
+
+    const Tensor3<double>& gradient(std::size_t q) const { return points_[q]->gradient(); }
 
 private:
     const ElementPoints& element_;

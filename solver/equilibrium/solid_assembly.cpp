@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <tuple>
+#include <utility>
 #include <variant>
 
 #include "solver/base/error.hpp"
@@ -34,6 +35,19 @@ AnyLaw law_of(const SolidMaterial& material) {
     return *found;
 }
 
+/// F^-1 P; for small strains P itself.
+template <class Law>
+Tensor3<double> second_piola(const Law& law, const Tensor3<double>& h) {
+    const Tensor3<double> stress = law.stress(law.state(h));
+    if constexpr (is_small_strain<Law>) {
+        return stress;
+    } else {
+        Tensor3<double> f = h;
+        add_diagonal(f, 1.0);
+        return scaled(transposed_times(cofactors(f), stress), 1 / (1 + determinant_change(h)));
+    }
+}
+
 }  // namespace
 
 struct SolidAssembly::Tables {
@@ -44,10 +58,15 @@ struct SolidAssembly::Tables {
     std::vector<AnyLaw> laws;  ///< by region
     /// [num_elements, nodes, nodes] places of the element's blocks in the matrix.
     std::vector<Index> blocks;
+    std::vector<double> factor;              ///< of `ViscousStep`, by region; empty: elastic
+    std::vector<Tensor3<double>> prestress;  ///< [num_elements, num_points]
 
     explicit Tables(const SolidModel& from);
     ElementPoints points_of(Index element) const;
     void find_blocks();
+    /// Calls work(law_at) with what gives the law of a point of the element.
+    template <class Work>
+    void with_laws(Index element, Work&& work) const;
     /// Calls work(element) for all, elements that share a node never at the same time.
     template <class Work>
     void for_each_element(Work&& work) const;
@@ -90,8 +109,26 @@ void SolidAssembly::Tables::for_each_element(Work&& work) const {
     }
 }
 
-SolidAssembly::SolidAssembly(const SolidModel& model)
-    : tables_(std::make_unique<const Tables>(model)) {}
+template <class Work>
+void SolidAssembly::Tables::with_laws(Index element, Work&& work) const {
+    const Index region = model.mesh.region[element];
+    const auto points = static_cast<std::size_t>(model.mesh.table().num_points);
+    const bool is_viscous = !factor.empty() && !model.materials[region].relaxation.empty();
+    std::visit(
+        [&](const auto& law) {
+            using Law = std::decay_t<decltype(law)>;
+            if (is_viscous) {
+                work([&](std::size_t q) {
+                    return ViscousStep<Law>{law, factor[region], prestress[element * points + q]};
+                });
+            } else {
+                work([&](std::size_t) { return law; });
+            }
+        },
+        laws[region]);
+}
+
+SolidAssembly::SolidAssembly(const SolidModel& model) : tables_(std::make_unique<Tables>(model)) {}
 
 SolidAssembly::~SolidAssembly() = default;
 
@@ -104,14 +141,12 @@ InternalForce SolidAssembly::internal_force(const Eigen::VectorXd& u) const {
     std::vector<double> energy(tables.model.mesh.region.size());
     tables.for_each_element([&](Index e) {
         const ElementPoints points = tables.points_of(e);
-        std::visit(
-            [&](const auto& law) {
-                const ElementForce found = element_force(tables.model, law, points, u);
-                energy[e] = found.energy;
-                for (std::size_t a = 0; a < points.nodes.size(); ++a)
-                    result.force.segment<3>(3 * points.nodes[a]) += found.force[a];
-            },
-            tables.laws[tables.model.mesh.region[e]]);
+        tables.with_laws(e, [&](const auto& law_at) {
+            const ElementForce found = element_force(tables.model, law_at, points, u);
+            energy[e] = found.energy;
+            for (std::size_t a = 0; a < points.nodes.size(); ++a)
+                result.force.segment<3>(3 * points.nodes[a]) += found.force[a];
+        });
     });
     for (const double part : energy) result.energy += part;
     result.is_valid = std::isfinite(result.energy) && result.force.allFinite();
@@ -134,9 +169,9 @@ void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const
         const ElementPoints points = tables.points_of(e);
         const std::size_t n = points.nodes.size();
         ElementStiffness stiffness;
-        std::visit(
-            [&](const auto& law) { element_tangent(tables.model, law, points, u, stiffness); },
-            tables.laws[tables.model.mesh.region[e]]);
+        tables.with_laws(e, [&](const auto& law_at) {
+            element_tangent(tables.model, law_at, points, u, stiffness);
+        });
         for (std::size_t a = 0; a < n; ++a)
             for (std::size_t b = 0; b < n; ++b) {
                 double* block = matrix.block(tables.blocks[(e * n + a) * n + b]);
@@ -157,13 +192,11 @@ std::vector<std::vector<double>> SolidAssembly::parameter_products(
     tables.for_each_element([&](Index e) {
         const Index region = model.mesh.region[e];
         const auto count = static_cast<int>(model.materials[region].parameters.size());
-        std::visit(
-            [&](const auto& law) {
-                for (int k = 0; k < count; ++k)
-                    parts[e * most + k] =
-                        parameter_product(tables.model, law, tables.points_of(e), u, lambda, k);
-            },
-            tables.laws[region]);
+        const ElementPoints points = tables.points_of(e);
+        tables.with_laws(e, [&](const auto& law_at) {
+            for (int k = 0; k < count; ++k)
+                parts[e * most + k] = parameter_product(tables.model, law_at, points, u, lambda, k);
+        });
     });
     std::vector<std::vector<double>> products;
     for (const SolidMaterial& material : model.materials)
@@ -173,6 +206,37 @@ std::vector<std::vector<double>> SolidAssembly::parameter_products(
         for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += parts[e * most + k];
     }
     return products;
+}
+
+void SolidAssembly::set_viscous_step(std::vector<double> factor,
+                                     std::vector<Tensor3<double>> prestress) {
+    if (factor.size() != tables_->model.materials.size() ||
+        prestress.size() != tables_->geometry.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "a viscous step needs a factor per material and a stress per point");
+    tables_->factor = std::move(factor);
+    tables_->prestress = std::move(prestress);
+}
+
+std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd& u) const {
+    const Tables& tables = *tables_;
+    const auto points = static_cast<std::size_t>(tables.model.mesh.table().num_points);
+    std::vector<Tensor3<double>> stress(tables.geometry.size(), Tensor3<double>{});
+    tables.for_each_element([&](Index e) {
+        const Index region = tables.model.mesh.region[e];
+        if (tables.model.materials[region].relaxation.empty()) return;
+        const ElementPoints element = tables.points_of(e);
+        PointTensors h;
+        tables.with_laws(
+            e, [&](const auto& law_at) { law_gradients(tables.model, law_at, element, u, h); });
+        std::visit(
+            [&](const auto& law) {
+                for (std::size_t q = 0; q < points; ++q)
+                    stress[e * points + q] = second_piola(law, h[q]);
+            },
+            tables.laws[region]);
+    });
+    return stress;
 }
 
 }  // namespace palpate

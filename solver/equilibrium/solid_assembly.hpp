@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "solver/base/tensor3.hpp"
 #include "solver/model/block_matrix.hpp"
 #include "solver/model/solid_model.hpp"
 
@@ -30,6 +31,14 @@ public:
     const SolidModel& model() const;
     /// u [3 num_nodes] mm.
     InternalForce internal_force(const Eigen::VectorXd& u) const;
+    /// From now on materials with relaxation answer as `ViscousStep` says; at first as their laws.
+    ///   factor     [materials]
+    ///   prestress  [num_elements, num_points] second Piola, kPa
+    void set_viscous_step(std::vector<double> factor, std::vector<Tensor3<double>> prestress);
+    /// Second Piola stresses of the laws alone at u, kPa [num_elements, num_points]; zero for
+    /// materials without relaxation.
+    std::vector<Tensor3<double>> elastic_stress(const Eigen::VectorXd& u) const;
+
     /// A matrix of the right pattern, all zeros.
     BlockMatrix make_matrix() const;
     /// K = dF/du at u into a matrix of `make_matrix`, mN/mm, without regard to prescribed dofs;
@@ -42,7 +51,7 @@ public:
 
 private:
     struct Tables;
-    std::unique_ptr<const Tables> tables_;
+    std::unique_ptr<Tables> tables_;
 };
 
 }  // namespace palpate

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/model/solid_model.hpp"
 
+#include <cmath>
+
 #include "solver/base/error.hpp"
 #include "solver/materials/registry.hpp"
 
@@ -14,8 +16,14 @@ namespace {
 
 void check_model(const SolidModel& model) {
     check_mesh(model.mesh);
-    for (const SolidMaterial& material : model.materials)
+    for (const SolidMaterial& material : model.materials) {
         check_parameters(material_law(material.law), material.parameters);
+        for (const RelaxationTerm& term : material.relaxation) {
+            if (term.amplitude >= 0 && std::isfinite(term.amplitude) && term.time_s > 0) continue;
+            refuse("a relaxation term of '" + material.law +
+                   "' needs an amplitude of 0 or more and a time greater than 0 s");
+        }
+    }
     for (Index e = 0; e < model.mesh.num_elements(); ++e) {
         if (model.mesh.region[e] < static_cast<Index>(model.materials.size())) continue;
         refuse("element " + std::to_string(e) + " is in region " +

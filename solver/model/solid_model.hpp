@@ -10,10 +10,18 @@
 
 namespace palpate {
 
+/// One term of a reduced relaxation function: after a sudden strain the stress exceeds that of the
+/// law by the part amplitude exp(-t / time).
+struct RelaxationTerm {
+    double amplitude = 0;  ///< >= 0, of the law's own (long-term) stress
+    double time_s = 1;     ///< > 0
+};
+
 /// A law of the registry with its parameters, in the order of its description.
 struct SolidMaterial {
     std::string law;  ///< "neo-hookean"
     std::vector<double> parameters;
+    std::vector<RelaxationTerm> relaxation = {};  ///< empty: elastic
 };
 
 /// How the change of volume enters the laws.

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "solver/equilibrium/newton.hpp"
+
+namespace palpate {
+
+/// The loads at one time; between two times they change linearly. At time 0 the body is at rest
+/// and without load.
+struct LoadTime {
+    double time_s = 0;
+    SolidLoads loads;
+};
+
+/// Quasi-static equilibrium at each of the times, ascending from above 0. With the reduced
+/// relaxation function G(t) = 1 + sum_k C_k exp(-t / tau_k) of quasi-linear viscoelasticity (Fung
+/// 1993, section 7.6) the second Piola stress is that of the law, S, plus one history per term,
+///   h_k' = exp(-x) h_k + c_k (S' - S),   x = dt / tau_k,   c_k = C_k (1 - exp(-x)) / x,
+/// exact where S changes linearly in time (Taylor, Pister and Goudreau 1970). Stops after the first
+/// time whose equilibrium is not reached. Throws as `solve_equilibrium` does, and
+/// Error(invalid_argument) for times that do not ascend.
+std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,
+                                       const EquilibriumOptions& options,
+                                       const ProgressSink& progress = {});
+
+}  // namespace palpate

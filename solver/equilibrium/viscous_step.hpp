@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <type_traits>
+
+#include "solver/base/tensor3.hpp"
+#include "solver/materials/linear_law.hpp"
+
+namespace palpate {
+
+/// Laws whose stress knows no difference between the Piola stresses.
+template <class Law>
+constexpr bool is_small_strain = std::is_same_v<Law, LinearLaw<double>>;
+template <class Law>
+struct ViscousStep;
+template <class Law>
+constexpr bool is_small_strain<ViscousStep<Law>> = is_small_strain<Law>;
+
+/// One time step of quasi-linear viscoelasticity on top of a law, with the interface of a law. The
+/// second Piola stress of the law times `factor`, plus what earlier steps left, is the derivative
+/// of
+///   W' = factor W + prestress : E
+/// by the strain E, so a step is elastic (see time_steps.hpp).
+template <class Law>
+struct ViscousStep {
+    using Number = double;
+    struct State {
+        typename Law::State elastic;
+        Tensor3<double> h;
+        bool is_valid;
+    };
+
+    Law law;
+    double factor = 1;
+    Tensor3<double> prestress{};  ///< symmetric, kPa
+
+    State state(const Tensor3<double>& h) const {
+        const auto elastic = law.state(h);
+        return {elastic, h, elastic.is_valid};
+    }
+    double energy(const State& s) const {
+        // prestress is symmetric: prestress : E = prestress : (H + H^T H / 2)
+        double work = double_dot(prestress, s.h);
+        if constexpr (!is_small_strain<Law>)
+            work += 0.5 * double_dot(prestress, transposed_times(s.h, s.h));
+        return factor * law.energy(s.elastic) + work;
+    }
+    Tensor3<double> stress(const State& s) const {
+        return with_prestress(law.stress(s.elastic), s.h, 1);
+    }
+    Tensor3<double> tangent_apply(const State& s, const Tensor3<double>& dh) const {
+        return with_prestress(law.tangent_apply(s.elastic, dh), dh, 0);
+    }
+    /// What earlier steps left is held.
+    Tensor3<double> parameter_stress(const State& s, int k) const {
+        return scaled(law.parameter_stress(s.elastic, k), factor);
+    }
+
+private:
+    /// factor p + (identity I + h) prestress, the last term without h for small strains.
+    Tensor3<double> with_prestress(const Tensor3<double>& p, const Tensor3<double>& h,
+                                   double identity) const {
+        Tensor3<double> sum = scaled(p, factor);
+        for (int i = 0; i < 9; ++i) sum.m[i] += identity * prestress.m[i];
+        if constexpr (!is_small_strain<Law>) {
+            const Tensor3<double> turned = times(h, prestress);
+            for (int i = 0; i < 9; ++i) sum.m[i] += turned.m[i];
+        }
+        return sum;
+    }
+};
+
+}  // namespace palpate
