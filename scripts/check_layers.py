@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 SOLVER_MODEL = ["solver/base", "solver/mesh", "solver/elements", "solver/materials", "solver/model"]
 BACKEND = SOLVER_MODEL + ["solver/backend"]
-SOLVER = BACKEND + ["solver/linear", "solver/adjoint", "solver/condense"]
+SOLVER = BACKEND + ["solver/linear", "solver/equilibrium", "solver/adjoint", "solver/condense"]
 STATIONS = ["host/imaging", "host/surfaces", "host/meshing", "host/modelling", "host/objectives",
             "host/inverse", "host/result", "host/report"]
 

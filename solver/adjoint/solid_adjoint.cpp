@@ -9,6 +9,10 @@ namespace palpate {
 
 SolidGradient solid_gradient(const SolidAssembly& solid, const Eigen::VectorXd& u,
                              const Eigen::VectorXd& dj_du, const std::string& direct_library) {
+    if (u.size() != solid.model().num_dofs() || dj_du.size() != u.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "a displacement and the slope of an objective need 3 numbers per node: " +
+                        std::to_string(solid.model().num_dofs()));
     TangentSolve tangent(solid, direct_library);
     if (!tangent.factorise(u))
         throw Error(ErrorCode::solve_failed,

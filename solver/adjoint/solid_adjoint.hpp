@@ -23,7 +23,8 @@ struct SolidGradient {
 ///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - K_pf lambda.
 ///   u       [3 num_nodes] mm, from `solve_equilibrium`
 ///   dj_du   [3 num_nodes] partial derivative of J
-/// Throws Error(solve_failed) if the tangent is not positive definite: u is not stable.
+/// Throws Error(invalid_argument) for wrong sizes, Error(solve_failed) if the tangent is not
+/// positive definite: u is not stable.
 SolidGradient solid_gradient(const SolidAssembly& solid, const Eigen::VectorXd& u,
                              const Eigen::VectorXd& dj_du, const std::string& direct_library = {});
 

@@ -12,6 +12,7 @@ namespace palpate {
 enum class ElementType { tet4, tet10, tri3, tri6, quad4 };
 
 constexpr int most_element_nodes = 10;
+constexpr int most_element_points = 4;
 
 /// What loops over elements need to know of one type: shape functions and their derivatives at the
 /// quadrature points of the reference element. Nodes are numbered corners first, then the middles

@@ -29,6 +29,8 @@ ElementTable table_of(const ElementShape& shape) {
     table.num_corners = shape.num_corners;
     table.faces = shape.faces;
     table.num_points = static_cast<int>(shape.weight.size());
+    if (table.num_nodes > most_element_nodes || table.num_points > most_element_points)
+        throw Error(ErrorCode::internal, "element type " + table.name + " is larger than arrays");
     table.reference.assign(shape.reference.begin(), shape.reference.end());
     table.place.assign(shape.place.begin(), shape.place.end());
     table.weight.assign(shape.weight.begin(), shape.weight.end());

@@ -11,8 +11,6 @@
 
 namespace palpate {
 
-constexpr int most_element_points = 4;
-
 /// What the loops need of one element.
 struct ElementPoints {
     std::span<const Index> nodes;

@@ -67,17 +67,12 @@ public:
         }
         theta_change /= volume_;
         PointTensors stress_change;
-        std::array<double, most_element_points> scale_change;
+        std::array<double, most_element_points> scale_change, pressure_change;
         for (std::size_t q = 0; q < count_; ++q) {
             const Point& point = points_[q];
             scale_change[q] = point.scale / 3 * (theta_change / theta_ - rate[q]);
             const auto df = sum_of(point.scale, dh[q], scale_change[q], point.f);
             stress_change[q] = point.law->tangent_apply(*point.state, df);
-        }
-        std::array<double, most_element_points> pressure_change;
-        for (std::size_t q = 0; q < count_; ++q) {
-            const Point& point = points_[q];
-            const auto df = sum_of(point.scale, dh[q], scale_change[q], point.f);
             pressure_change[q] = (point.scale * double_dot(stress_change[q], point.f) +
                                   double_dot(point.stress, df)) /
                                  3;

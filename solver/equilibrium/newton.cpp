@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/equilibrium/newton.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +16,7 @@ namespace {
 /// A step may raise the energy by rounding, as a part of the work that it stands for.
 constexpr double rounding = 1e-10;
 constexpr double shortest_length = 1.0 / 1024;
+constexpr double largest_shift = 20;
 
 void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
     const Index dofs = solid.model().num_dofs();
@@ -23,6 +26,15 @@ void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
     if (!loads.displacement.allFinite() || !loads.force.allFinite())
         throw Error(ErrorCode::invalid_argument,
                     "a prescribed displacement or force is not a finite number");
+}
+
+void check_options(const EquilibriumOptions& options) {
+    const bool has_steps = options.smallest_step > 0 &&
+                           options.smallest_step <= options.first_step && options.first_step <= 1;
+    if (has_steps && options.relative_tolerance > 0 && options.max_newton_steps > 0) return;
+    throw Error(ErrorCode::invalid_argument,
+                "load steps need 0 < smallest <= first <= 1, a tolerance above 0 and at least one "
+                "Newton step");
 }
 
 class EquilibriumSolve {
@@ -57,7 +69,8 @@ private:
         return start_.displacement[dof] +
                load * (loads_.displacement[dof] - start_.displacement[dof]);
     }
-    double relative_residual(const State& state);
+    double relative_residual(const State& state, double load) const;
+    bool factorise(const Eigen::VectorXd& u);
     bool reach(double load, State& state);
     bool advance_walls(double load, State& state);
     double search_line(double load, const Eigen::VectorXd& change, State& state) const;
@@ -68,7 +81,8 @@ private:
     EquilibriumStart start_;
     const ProgressSink& progress_;
     TangentSolve tangent_;
-    double force_scale_ = 0;  ///< largest norm of forces met
+    bool is_shifted_ = false;  ///< the last tangent
+    std::string failure_;      ///< why the last load step failed
     std::vector<NewtonRecord> records_;
 };
 
@@ -84,22 +98,37 @@ EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, dou
     return state;
 }
 
-double EquilibriumSolve::relative_residual(const State& state) {
-    force_scale_ =
-        std::max({force_scale_, state.inner.force.norm(), loads_.force.norm() * rounding});
-    return force_scale_ > 0 ? state.residual.norm() / force_scale_ : 0.0;
+double EquilibriumSolve::relative_residual(const State& state, double load) const {
+    if (state.residual.norm() <= tangent_.force_of_rounding(state.u)) return 0;
+    double applied = 0;
+    for (Eigen::Index d = 0; d < state.u.size(); ++d)
+        if (tangent_.free().number[d] >= 0) applied += std::pow(force_at(d, load), 2);
+    return state.residual.norm() / std::max(state.inner.force.norm(), std::sqrt(applied));
 }
 
-/// Moves the prescribed dofs to their places under `load` and the others as the tangent says,
-/// shorter where that would invert matter. Returns whether it went all the way.
+/// The tangent, shifted where it is not positive definite: then still a way down.
+bool EquilibriumSolve::factorise(const Eigen::VectorXd& u) {
+    is_shifted_ = !tangent_.factorise(u);
+    if (!is_shifted_) return true;
+    for (double shift = 1e-3; shift < largest_shift; shift *= 4)
+        if (tangent_.factorise(u, shift)) return true;
+    failure_ = tangent_.failure();
+    return false;
+}
+
+/// Moves the prescribed dofs to their places under `load` and the others as the tangent says. False
+/// if that inverts matter.
 bool EquilibriumSolve::advance_walls(double load, State& state) {
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
     for (Eigen::Index d = 0; d < change.size(); ++d)
         if (solid_.model().prescribed[d]) change[d] = displacement_at(d, load) - state.u[d];
-    if (!tangent_.factorise(state.u)) return false;
-    tangent_.solve(state_at(state.u, load).residual, change);
+    if (!factorise(state.u)) return false;
+    if (!change.isZero(0)) tangent_.solve(Eigen::VectorXd::Zero(change.size()), change);
     State next = state_at(state.u + change, load);
-    if (!next.inner.is_valid) return false;
+    if (!next.inner.is_valid) {
+        failure_ = "matter inverts";
+        return false;
+    }
     state = std::move(next);
     return true;
 }
@@ -125,48 +154,52 @@ double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
 
 bool EquilibriumSolve::reach(double load, State& state) {
     if (!advance_walls(load, state)) return false;
-    for (int step = 0; step < options_.max_newton_steps; ++step) {
-        const double residual = relative_residual(state);
+    for (int step = 0;; ++step) {
+        const double residual = relative_residual(state, load);
         records_.push_back({load, residual, 0});
-        report_progress(
-            progress_, "equilibrium", load,
-            "step " + std::to_string(records_.size()) + ", residual " + std::to_string(residual));
-        if (residual <= options_.relative_tolerance) return true;
-        if (!tangent_.factorise(state.u)) return false;
+        report_progress(progress_, "equilibrium", load,
+                        fmt::format("step {}, residual {:.1e}", records_.size(), residual));
+        if (residual <= options_.relative_tolerance) {
+            failure_ = "the equilibrium is not stable";
+            return !is_shifted_ || tangent_.factorise(state.u);
+        }
+        failure_ = fmt::format("{} Newton steps were not enough", options_.max_newton_steps);
+        if (step == options_.max_newton_steps || !factorise(state.u)) return false;
         Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
         tangent_.solve(state.residual, change);
         records_.back().step_length = search_line(load, change, state);
+        failure_ = "no step lowers the energy without inverting matter";
         if (records_.back().step_length == 0) return false;
     }
-    return false;
 }
 
 Equilibrium EquilibriumSolve::run() {
     Equilibrium result;
     State reached = state_at(start_.displacement, 0);
-    double step = std::clamp(options_.first_step, options_.smallest_step, 1.0);
+    double step = options_.first_step;
     while (result.load < 1 && step >= options_.smallest_step) {
         const double load = std::min(1.0, result.load + step);
         State next = reached;
         if (reach(load, next)) {
             reached = std::move(next);
+            step = 1.5 * (load - result.load);
             result.load = load;
-            step *= 1.5;
         } else {
-            step *= 0.5;
+            step = 0.5 * (load - result.load);
         }
     }
     result.converged = result.load >= 1;
     result.message = result.converged
                          ? "in equilibrium"
-                         : "no equilibrium beyond " + std::to_string(100 * result.load) +
-                               " % of the load: matter inverts, or the body is not stable there";
-    result.relative_residual = relative_residual(reached);
+                         : fmt::format("no equilibrium beyond {:.3g} % of the load: {}",
+                                       100 * result.load, failure_);
+    result.relative_residual = relative_residual(reached, result.load);
     result.displacement = reached.u;
     result.energy = reached.inner.energy;
     result.reaction = Eigen::VectorXd::Zero(reached.u.size());
     for (Eigen::Index d = 0; d < reached.u.size(); ++d)
-        if (solid_.model().prescribed[d]) result.reaction[d] = reached.inner.force[d];
+        if (solid_.model().prescribed[d])
+            result.reaction[d] = reached.inner.force[d] - force_at(d, result.load);
     result.records = std::move(records_);
     return result;
 }
@@ -177,6 +210,7 @@ Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& load
                               const EquilibriumOptions& options, const EquilibriumStart& start,
                               const ProgressSink& progress) {
     check_loads(solid, loads);
+    check_options(options);
     EquilibriumStart from = start;
     if (from.displacement.size() == 0) from.displacement.setZero(loads.displacement.size());
     if (from.force.size() == 0) from.force.setZero(loads.force.size());

@@ -14,13 +14,14 @@ namespace palpate {
 /// What a SolidModel is exposed to at full load.
 struct SolidLoads {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm at prescribed dofs, ignored elsewhere
-    Eigen::VectorXd force;         ///< [3 num_nodes] mN, of constant direction, at free dofs
+    Eigen::VectorXd force;         ///< [3 num_nodes] mN, of constant direction
 };
 
 struct EquilibriumOptions {
-    /// Of the residual at free dofs, against the largest norm of internal or applied forces met.
+    /// Of the residual at free dofs, against the norm of the internal forces or of the applied
+    /// ones, whichever is larger.
     double relative_tolerance = 1e-9;
-    int max_newton_steps = 25;    ///< per load step
+    int max_newton_steps = 60;    ///< per load step
     double first_step = 1.0;      ///< part of the load that is tried first
     double smallest_step = 1e-3;  ///< below it the solve gives up
     std::string direct_library;   ///< of the factorisation, see `make_sparse_factor`
@@ -30,7 +31,7 @@ struct EquilibriumOptions {
 struct NewtonRecord {
     double load = 0;               ///< part of the full load
     double relative_residual = 0;  ///< before the step
-    double step_length = 0;        ///< that the line search took
+    double step_length = 0;        ///< that the line search took; 0 at the end of a load step
 };
 
 struct Equilibrium {
@@ -52,11 +53,13 @@ struct EquilibriumStart {
 };
 
 /// Static equilibrium f(u) = force at free dofs, u = displacement at prescribed ones, by Newton's
-/// method on a sparse factorisation of the tangent. A line search keeps matter from inverting and
-/// the total energy (stored less the work of the forces) from growing; a load step that fails is
-/// halved, one that goes well is followed by a longer one. Not converging is reported in the
-/// result, which then holds the last equilibrium. Throws Error(invalid_argument) for loads of the
-/// wrong size or not finite.
+/// method on a sparse factorisation of the tangent. The prescribed dofs move first and the others
+/// as the tangent says; then a line search keeps matter from inverting, and the total energy
+/// (stored less the work of the forces) from growing unless that halves the residual. Where the
+/// tangent is not positive definite it is shifted until it is. A load step that fails is halved,
+/// one that goes well is followed by a longer one. Not converging is reported in the result, which
+/// then holds the last equilibrium. Throws Error(invalid_argument) for loads of the wrong size or
+/// not finite, and for options out of range.
 Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& loads,
                               const EquilibriumOptions& options, const EquilibriumStart& start = {},
                               const ProgressSink& progress = {});

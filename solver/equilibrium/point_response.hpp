@@ -50,8 +50,12 @@ public:
         for (int step = 0; step < most_steps; ++step) {
             if (!state_.is_valid) return;
             across_ = law_.tangent_apply(state_, unit_across());
-            if (!(across_.m[8] > 0)) break;
-            double change = -law_.stress(state_).m[8] / across_.m[8];
+            // Where P_zz bends down with F_zz, F_zz P_zz = 0 is solved instead.
+            const double stress = law_.stress(state_).m[8];
+            double slope = across_.m[8];
+            if (!(slope > 0)) slope += stress / (1 + h_.m[8]);
+            if (!(slope > 0)) break;
+            double change = -stress / slope;
             State next = with_across(change);
             while (!next.is_valid && std::abs(change) > small_step) {
                 change *= 0.5;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/equilibrium/tangent_solve.hpp"
 
+#include <cmath>
+
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -12,16 +14,21 @@ TangentSolve::TangentSolve(const SolidAssembly& solid, const std::string& librar
       free_(number_free_dofs(matrix_.graph, solid.model().prescribed)),
       factor_(make_sparse_factor(library)) {}
 
-bool TangentSolve::factorise(const Eigen::VectorXd& u) {
+bool TangentSolve::factorise(const Eigen::VectorXd& u, double shift) {
     solid_.tangent(u, matrix_);
     if (free_.count == 0) return true;
-    const SparseFactor::Lower lower = free_lower(matrix_, free_);
+    SparseFactor::Lower lower = free_lower(matrix_, free_);
+    if (shift > 0) {
+        const double size = lower.diagonal().cwiseAbs().mean();
+        for (Index k = 0; k < free_.count; ++k) lower.coeffRef(k, k) += shift * size;
+    }
     if (!is_analysed_) factor_->analyse(lower);
     is_analysed_ = true;
     try {
         factor_->factorise(lower);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
+        failure_ = error.what();
         return false;
     }
     return true;
@@ -33,7 +40,7 @@ void TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
         if (free_.number[d] >= 0) x[d] = 0;
     Eigen::VectorXd right = r;
     if (!x.isZero(0)) right -= times(x);
-    FactorBlock block(free_.count, 1);
+    FactorBlock block(free_.count, factor_->block_width(1));
     const std::vector<int>& position = factor_->position();
     for (Eigen::Index d = 0; d < r.size(); ++d)
         if (free_.number[d] >= 0) *block.row(position[free_.number[d]]) = right[d];
@@ -50,6 +57,17 @@ Eigen::VectorXd TangentSolve::times(const Eigen::VectorXd& x) const {
         for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
             y.segment<3>(3 * n) += Block(matrix_.block(k)) * x.segment<3>(3 * graph.items[k]);
     return y;
+}
+
+double TangentSolve::force_of_rounding(const Eigen::VectorXd& u) const {
+    double sum = 0;
+    const Adjacency& graph = matrix_.graph;
+    for (Index n = 0; n < matrix_.num_rows(); ++n)
+        for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k) {
+            if (graph.items[k] != n) continue;
+            for (int i = 0; i < 3; ++i) sum += std::pow(matrix_.block(k)[4 * i] * u[3 * n + i], 2);
+        }
+    return 1e-14 * std::sqrt(sum);
 }
 
 }  // namespace palpate

@@ -20,8 +20,13 @@ public:
     TangentSolve(const SolidAssembly& solid, const std::string& library);
 
     const FreeDofs& free() const { return free_; }
-    /// At u [3 num_nodes] mm. False if the tangent is not positive definite there.
-    bool factorise(const Eigen::VectorXd& u);
+    /// At u [3 num_nodes] mm, with `shift` times the mean of K's diagonal added to it. False if
+    /// that is not positive definite.
+    bool factorise(const Eigen::VectorXd& u, double shift = 0);
+    /// Why the last factorisation failed.
+    const std::string& failure() const { return failure_; }
+    /// A norm of forces that says nothing: what rounding of u leaves of K u.
+    double force_of_rounding(const Eigen::VectorXd& u) const;
     /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.
     void solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
     /// K x with all rows and columns, [3 num_nodes].
@@ -33,6 +38,7 @@ private:
     FreeDofs free_;
     std::unique_ptr<SparseFactor> factor_;
     bool is_analysed_ = false;
+    std::string failure_;
 };
 
 }  // namespace palpate

@@ -12,6 +12,10 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::invalid_argument, why); }
 
+bool is_on_axis(const SolidMesh& mesh, Index node) {
+    return mesh.formulation == Formulation::axisymmetric && mesh.nodes[node].x() == 0;
+}
+
 }  // namespace
 
 void check_model(const SolidModel& model) {
@@ -42,12 +46,18 @@ void check_model(const SolidModel& model) {
         if (!model.prescribed[3 * n + 2]) {
             refuse("node " + std::to_string(n) + " of a plane mesh is free to leave its plane");
         }
+        if (is_on_axis(model.mesh, n) && !model.prescribed[3 * n]) {
+            refuse("node " + std::to_string(n) + " on the axis is free to leave it");
+        }
     }
 }
 
 void hold_in_plane(SolidModel& model) {
     if (model.mesh.formulation == Formulation::solid) return;
-    for (Index n = 0; n < model.mesh.num_nodes(); ++n) model.prescribed[3 * n + 2] = 1;
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
+        model.prescribed[3 * n + 2] = 1;
+        if (is_on_axis(model.mesh, n)) model.prescribed[3 * n] = 1;
+    }
 }
 
 }  // namespace palpate

@@ -45,7 +45,8 @@ struct SolidModel {
 /// that is not prescribed, and a mean volume in plane stress, where the law sets it.
 void check_model(const SolidModel& model);
 
-/// Prescribes the third component of every node of a plane mesh.
+/// Prescribes the third component of every node of a plane mesh, and the distance from the axis of
+/// the nodes on it.
 void hold_in_plane(SolidModel& model);
 
 }  // namespace palpate

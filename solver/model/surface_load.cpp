@@ -71,6 +71,7 @@ double depth_at(const SolidMesh& mesh, const Vec3& place) {
 
 std::vector<Face> boundary_faces(const SolidMesh& mesh,
                                  const std::function<bool(Index node)>& is_wanted) {
+    // Both owners of an inner face have the same nodes, so unwanted faces can be left out first.
     std::map<Face, int> times_met;
     const auto sorted = [](Face face) {
         std::sort(face.begin(), face.end());
@@ -81,13 +82,11 @@ std::vector<Face> boundary_faces(const SolidMesh& mesh,
         for (const auto& local : mesh.table().faces) {
             Face face;
             for (const int a : local) face.push_back(mesh.nodes_of(e)[a]);
+            if (is_wanted && !std::all_of(face.begin(), face.end(), is_wanted)) continue;
             ++times_met[sorted(face)];
             all.push_back(std::move(face));
         }
-    std::erase_if(all, [&](const Face& face) {
-        return times_met.at(sorted(face)) > 1 ||
-               (is_wanted && !std::all_of(face.begin(), face.end(), is_wanted));
-    });
+    std::erase_if(all, [&](const Face& face) { return times_met.at(sorted(face)) > 1; });
     return all;
 }
 
