@@ -4,8 +4,10 @@
 // stiff inclusion, compressed by 10 % between plates that hold it. Figures in docs/performance.md.
 //   tangent      assembling the stiffness once
 //   equilibrium  from rest to the full load
+//   gradient     of a sum of displacements by every parameter, force and prescribed displacement
 #include <benchmark/benchmark.h>
 
+#include "solver/adjoint/solid_adjoint.hpp"
 #include "solver/equilibrium/newton.hpp"
 #include "solver/model/quadratic_mesh.hpp"
 #include "tests/fixtures/meshes.hpp"
@@ -62,6 +64,18 @@ void equilibrium(benchmark::State& state, const Size& size) {
     state.counters["dofs"] = work.model.num_dofs();
 }
 
+void gradient(benchmark::State& state, const Size& size) {
+    const Case work = compressed_box(size);
+    const SolidAssembly solid(work.model);
+    const Eigen::VectorXd slope = Eigen::VectorXd::Ones(work.model.num_dofs());
+    for (auto _ : state) {
+        state.PauseTiming();
+        const Equilibrium found = solve_equilibrium(solid, work.loads, {});
+        state.ResumeTiming();
+        benchmark::DoNotOptimize(solid_gradient(solid, found, slope).force.sum());
+    }
+}
+
 template <typename Run>
 void add(const char* name, Run run) {
     for (const Size& size : sizes)
@@ -76,6 +90,7 @@ void add(const char* name, Run run) {
 int main(int argc, char** argv) {
     palpate::add("tangent", palpate::tangent);
     palpate::add("equilibrium", palpate::equilibrium);
+    palpate::add("gradient", palpate::gradient);
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
 }

@@ -3,23 +3,22 @@
 #include "solver/adjoint/solid_adjoint.hpp"
 
 #include "solver/base/error.hpp"
-#include "solver/equilibrium/tangent_solve.hpp"
 
 namespace palpate {
 
-SolidGradient solid_gradient(const SolidAssembly& solid, const Eigen::VectorXd& u,
-                             const Eigen::VectorXd& dj_du, const std::string& direct_library) {
+SolidGradient solid_gradient(const SolidAssembly& solid, const Equilibrium& found,
+                             const Eigen::VectorXd& dj_du) {
+    const Eigen::VectorXd& u = found.displacement;
     if (u.size() != solid.model().num_dofs() || dj_du.size() != u.size())
         throw Error(ErrorCode::invalid_argument,
                     "a displacement and the slope of an objective need 3 numbers per node: " +
                         std::to_string(solid.model().num_dofs()));
-    TangentSolve tangent(solid, direct_library);
-    if (!tangent.factorise(u))
+    TangentSolve& tangent = *found.tangent;
+    Eigen::VectorXd lambda;
+    if (!tangent.solve_at(u, dj_du, lambda))
         throw Error(ErrorCode::solve_failed,
                     "the tangent at the equilibrium is not positive definite, so its gradient is "
                     "not defined; the body is not stable there");
-    Eigen::VectorXd lambda = Eigen::VectorXd::Zero(u.size());
-    tangent.solve(dj_du, lambda);
     SolidGradient gradient;
     gradient.parameters = solid.parameter_products(u, lambda);
     for (auto& material : gradient.parameters)

@@ -3,10 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
 
-#include "solver/equilibrium/solid_assembly.hpp"
+#include "solver/equilibrium/newton.hpp"
 
 namespace palpate {
 
@@ -18,14 +17,14 @@ struct SolidGradient {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] per mm at prescribed dofs (total), 0 elsewhere
 };
 
-/// One solve with the tangent at the equilibrium u, K_ff lambda = (dJ/du)_f, lambda = 0 on
+/// One solve with the tangent at an equilibrium u, K_ff lambda = (dJ/du)_f, lambda = 0 on
 /// prescribed dofs; then
 ///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - K_pf lambda.
-///   u       [3 num_nodes] mm, from `solve_equilibrium`
+///   found   from `solve_equilibrium` with `solid`; its factor is used again
 ///   dj_du   [3 num_nodes] partial derivative of J
-/// Throws Error(invalid_argument) for wrong sizes, Error(solve_failed) if the tangent is not
+/// Throws Error(invalid_argument) for a wrong size, Error(solve_failed) if the tangent is not
 /// positive definite: u is not stable.
-SolidGradient solid_gradient(const SolidAssembly& solid, const Eigen::VectorXd& u,
-                             const Eigen::VectorXd& dj_du, const std::string& direct_library = {});
+SolidGradient solid_gradient(const SolidAssembly& solid, const Equilibrium& found,
+                             const Eigen::VectorXd& dj_du);
 
 }  // namespace palpate

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "solver/base/error.hpp"
-#include "solver/equilibrium/tangent_solve.hpp"
 
 namespace palpate {
 namespace {
@@ -48,7 +47,7 @@ public:
           options_(options),
           start_(start),
           progress_(progress),
-          tangent_(solid, options.direct_library) {}
+          tangent_(std::make_shared<TangentSolve>(solid, options.direct_library)) {}
 
     Equilibrium run();
 
@@ -82,7 +81,7 @@ private:
     const EquilibriumOptions& options_;
     EquilibriumStart start_;
     const ProgressSink& progress_;
-    TangentSolve tangent_;
+    std::shared_ptr<TangentSolve> tangent_;
     bool is_shifted_ = false;  ///< the last tangent
     std::string failure_;      ///< why the last load step failed
     std::vector<NewtonRecord> records_;
@@ -93,7 +92,7 @@ EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, dou
     state.total_energy = state.inner.energy;
     if (!state.inner.is_valid) return state;
     for (Eigen::Index d = 0; d < u.size(); ++d) {
-        if (tangent_.free().number[d] < 0) continue;
+        if (tangent_->free().number[d] < 0) continue;
         state.residual[d] = force_at(d, load) - state.inner.force[d];
         state.total_energy -= force_at(d, load) * u[d];
     }
@@ -101,20 +100,20 @@ EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, dou
 }
 
 double EquilibriumSolve::relative_residual(const State& state, double load) const {
-    if (state.residual.norm() <= tangent_.force_of_rounding(state.u)) return 0;
+    if (state.residual.norm() <= tangent_->force_of_rounding(state.u)) return 0;
     double applied = 0;
     for (Eigen::Index d = 0; d < state.u.size(); ++d)
-        if (tangent_.free().number[d] >= 0) applied += std::pow(force_at(d, load), 2);
+        if (tangent_->free().number[d] >= 0) applied += std::pow(force_at(d, load), 2);
     return state.residual.norm() / std::max(state.inner.force.norm(), std::sqrt(applied));
 }
 
 /// The tangent, shifted where it is not positive definite: then still a way down.
 bool EquilibriumSolve::factorise(const Eigen::VectorXd& u) {
-    is_shifted_ = !tangent_.factorise(u);
+    is_shifted_ = !tangent_->factorise(u);
     if (!is_shifted_) return true;
     for (double shift = 1e-3; shift < largest_shift; shift *= 4)
-        if (tangent_.factorise(u, shift)) return true;
-    failure_ = tangent_.failure();
+        if (tangent_->factorise(u, shift)) return true;
+    failure_ = tangent_->failure();
     return false;
 }
 
@@ -125,7 +124,7 @@ bool EquilibriumSolve::advance_walls(double load, State& state) {
     for (Eigen::Index d = 0; d < change.size(); ++d)
         if (solid_.model().prescribed[d]) change[d] = displacement_at(d, load) - state.u[d];
     if (!factorise(state.u)) return false;
-    if (!change.isZero(0)) tangent_.solve(Eigen::VectorXd::Zero(change.size()), change);
+    if (!change.isZero(0)) tangent_->solve(Eigen::VectorXd::Zero(change.size()), change);
     State next = state_at(state.u + change, load);
     if (!next.inner.is_valid) {
         failure_ = "matter inverts";
@@ -159,7 +158,7 @@ double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
 bool EquilibriumSolve::take_chord_step(double load, State& state) {
     if (is_shifted_) return false;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
-    tangent_.solve(state.residual, change);
+    tangent_->solve(state.residual, change);
     State next = state_at(state.u + change, load);
     if (!next.inner.is_valid || next.residual.norm() > 0.1 * state.residual.norm()) return false;
     records_.back().step_length = 1;
@@ -176,13 +175,13 @@ bool EquilibriumSolve::reach(double load, State& state) {
                         fmt::format("step {}, residual {:.1e}", records_.size(), residual));
         if (residual <= options_.relative_tolerance) {
             failure_ = "the equilibrium is not stable";
-            return !is_shifted_ || tangent_.factorise(state.u);
+            return !is_shifted_ || tangent_->factorise(state.u);
         }
         if (residual < near_enough && take_chord_step(load, state)) continue;
         failure_ = fmt::format("{} Newton steps were not enough", options_.max_newton_steps);
         if (step == options_.max_newton_steps || !factorise(state.u)) return false;
         Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
-        tangent_.solve(state.residual, change);
+        tangent_->solve(state.residual, change);
         records_.back().step_length = search_line(load, change, state);
         failure_ = "no step lowers the energy without inverting matter";
         if (records_.back().step_length == 0) return false;
@@ -217,6 +216,7 @@ Equilibrium EquilibriumSolve::run() {
         if (solid_.model().prescribed[d])
             result.reaction[d] = reached.inner.force[d] - force_at(d, result.load);
     result.records = std::move(records_);
+    result.tangent = std::move(tangent_);
     return result;
 }
 

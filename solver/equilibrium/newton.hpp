@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "solver/base/log.hpp"
 #include "solver/equilibrium/solid_assembly.hpp"
+#include "solver/equilibrium/tangent_solve.hpp"
 
 namespace palpate {
 
@@ -44,6 +46,8 @@ struct Equilibrium {
     bool converged = false;
     std::string message;
     std::vector<NewtonRecord> records;
+    /// What was solved with, for gradients (`solid_gradient`); valid as long as the assembly is.
+    std::shared_ptr<TangentSolve> tangent;
 };
 
 /// Where a load path begins: an equilibrium under these forces. Empty: at rest, without load.

@@ -24,8 +24,10 @@ bool TangentSolve::factorise(const Eigen::VectorXd& u, double shift) {
     }
     if (!is_analysed_) factor_->analyse(lower);
     is_analysed_ = true;
+    is_factorised_ = false;
     try {
         factor_->factorise(lower);
+        is_factorised_ = true;
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
         failure_ = error.what();
@@ -57,6 +59,39 @@ Eigen::VectorXd TangentSolve::times(const Eigen::VectorXd& x) const {
         for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
             y.segment<3>(3 * n) += Block(matrix_.block(k)) * x.segment<3>(3 * graph.items[k]);
     return y;
+}
+
+/// Iterative refinement with a factor that may be another tangent's. False if it does not get
+/// there.
+bool TangentSolve::refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
+    constexpr double tolerance = 1e-12;
+    constexpr int most_steps = 20;
+    Eigen::VectorXd left = r;
+    for (Eigen::Index d = 0; d < r.size(); ++d)
+        if (free_.number[d] < 0) left[d] = 0;
+    const Eigen::VectorXd right = left;
+    double before = left.norm();
+    x.setZero(r.size());
+    for (int step = 0; step < most_steps && left.norm() > tolerance * right.norm(); ++step) {
+        Eigen::VectorXd change = Eigen::VectorXd::Zero(r.size());
+        solve(left, change);
+        x += change;
+        left = right - times(x);
+        for (Eigen::Index d = 0; d < r.size(); ++d)
+            if (free_.number[d] < 0) left[d] = 0;
+        if (!(left.norm() <= 0.5 * before)) break;
+        before = left.norm();
+    }
+    return left.norm() <= 1e3 * tolerance * right.norm();
+}
+
+bool TangentSolve::solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r,
+                            Eigen::VectorXd& x) {
+    if (is_factorised_) {
+        solid_.tangent(u, matrix_);
+        if (refine(r, x)) return true;
+    }
+    return factorise(u) && refine(r, x);
 }
 
 double TangentSolve::force_of_rounding(const Eigen::VectorXd& u) const {

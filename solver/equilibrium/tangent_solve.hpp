@@ -23,6 +23,9 @@ public:
     /// At u [3 num_nodes] mm, with `shift` times the mean of K's diagonal added to it. False if
     /// that is not positive definite.
     bool factorise(const Eigen::VectorXd& u, double shift = 0);
+    /// x with K_ff x_f = r_f, x_p = 0, for the tangent at u to a relative residual of 1e-12. The
+    /// last factor serves if it is near enough, else a new one is made. False if that fails.
+    bool solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r, Eigen::VectorXd& x);
     /// Why the last factorisation failed.
     const std::string& failure() const { return failure_; }
     /// A norm of forces that says nothing: what rounding of u leaves of K u.
@@ -33,11 +36,14 @@ public:
     Eigen::VectorXd times(const Eigen::VectorXd& x) const;
 
 private:
+    bool refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
+
     const SolidAssembly& solid_;
     BlockMatrix matrix_;
     FreeDofs free_;
     std::unique_ptr<SparseFactor> factor_;
     bool is_analysed_ = false;
+    bool is_factorised_ = false;
     std::string failure_;
 };
 

@@ -108,6 +108,7 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
         const double dt_s = at.time_s - now_s;
         if (history.is_needed()) history.begin_step(dt_s, solid);
         states.push_back(solve_equilibrium(solid, at.loads, options, start, progress));
+        states.back().tangent.reset();  // the assembly ends with this function
         if (!states.back().converged) break;
         if (history.is_needed()) history.end_step(dt_s, solid, states.back().displacement);
         start = {states.back().displacement, at.loads.force};

@@ -194,8 +194,7 @@ TEST(SolidAdjoint, GradientsAreThoseOfCentralDifferences) {
         options.relative_tolerance = 1e-12;
         const Equilibrium found = solve_equilibrium(solid, work.loads, options);
         ASSERT_TRUE(found.converged) << name_of_case(work.model) << ": " << found.message;
-        const SolidGradient gradient =
-            solid_gradient(solid, found.displacement, weights(work.model.num_dofs()));
+        const SolidGradient gradient = solid_gradient(solid, found, weights(work.model.num_dofs()));
 
         for (std::size_t k = 0; k < material.parameters.size(); ++k) {
             const double step = 1e-4 * material.parameters[k];
@@ -245,6 +244,13 @@ double imbalance(const LoadedCase& work, const Equilibrium& found) {
     for (Index d = 0; d < work.model.num_dofs(); ++d)
         if (work.model.prescribed[d]) force[d] = 0;
     return force.norm() / scale;
+}
+
+TEST(SolidAdjoint, AnObjectiveOfTheWrongSizeIsRefused) {
+    const LoadedCase work = loaded(models()[2]);
+    const SolidAssembly solid(work.model);
+    const Equilibrium found = solve_equilibrium(solid, work.loads, {});
+    EXPECT_THROW(solid_gradient(solid, found, Eigen::VectorXd::Zero(3)), Error);
 }
 
 TEST(Equilibrium, AHeavyLoadIsReached) {
