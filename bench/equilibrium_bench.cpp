@@ -7,18 +7,16 @@
 //   gradient     of a sum of displacements by every parameter, force and prescribed displacement
 #include <benchmark/benchmark.h>
 
+#include <utility>
+
 #include "solver/adjoint/solid_adjoint.hpp"
 #include "solver/equilibrium/newton.hpp"
 #include "solver/model/quadratic_mesh.hpp"
 #include "tests/fixtures/meshes.hpp"
+#include "tests/fixtures/solid_models.hpp"
 
 namespace palpate {
 namespace {
-
-struct Case {
-    SolidModel model;
-    SolidLoads loads;
-};
 
 struct Size {
     const char* name;
@@ -27,26 +25,19 @@ struct Size {
 };
 constexpr Size sizes[] = {{"small", false, 4}, {"seed_size", false, 18}, {"tet10", true, 9}};
 
-Case compressed_box(const Size& size) {
+fixtures::LoadedModel compressed_box(const Size& size) {
     const Index cells = size.cells;
     Mesh box = fixtures::box_mesh({cells, cells, cells}, Vec3(60, 60, 60));
     fixtures::set_inclusion(box, [](const Vec3& x) { return (x - Vec3(30, 30, 30)).norm() < 15; });
     SolidMesh mesh = solid_mesh_of(box);
     if (size.is_quadratic) mesh = with_edge_nodes(mesh);
-    Case work{{mesh, {{"neo-hookean", {10, 0.35}}, {"neo-hookean", {90, 0.40}}}, {}}, {}};
-    work.model.prescribed.assign(3 * mesh.nodes.size(), 0);
-    work.loads.displacement.setZero(work.model.num_dofs());
-    work.loads.force.setZero(work.model.num_dofs());
-    for (Index n = 0; n < mesh.num_nodes(); ++n) {
-        const double z = mesh.nodes[n].z();
-        if (z < 1e-9 || z > 60 - 1e-9) std::fill_n(&work.model.prescribed[3 * n], 3, 1);
-        if (z > 60 - 1e-9) work.loads.displacement[3 * n + 2] = -6;
-    }
-    return work;
+    SolidModel model = fixtures::solid_model(mesh, {"neo-hookean", {10, 0.35}});
+    model.materials.push_back({"neo-hookean", {90, 0.40}});
+    return fixtures::between_plates(std::move(model), Vec3(0, 0, -6));
 }
 
 void tangent(benchmark::State& state, const Size& size) {
-    const Case work = compressed_box(size);
+    const auto work = compressed_box(size);
     const SolidAssembly solid(work.model);
     BlockMatrix matrix = solid.make_matrix();
     const Eigen::VectorXd u = Eigen::VectorXd::Zero(work.model.num_dofs());
@@ -54,7 +45,7 @@ void tangent(benchmark::State& state, const Size& size) {
 }
 
 void equilibrium(benchmark::State& state, const Size& size) {
-    const Case work = compressed_box(size);
+    const auto work = compressed_box(size);
     for (auto _ : state) {
         const Equilibrium found = solve_equilibrium(SolidAssembly(work.model), work.loads, {});
         if (!found.converged) state.SkipWithError(found.message.c_str());
@@ -65,7 +56,7 @@ void equilibrium(benchmark::State& state, const Size& size) {
 }
 
 void gradient(benchmark::State& state, const Size& size) {
-    const Case work = compressed_box(size);
+    const auto work = compressed_box(size);
     const SolidAssembly solid(work.model);
     const Eigen::VectorXd slope = Eigen::VectorXd::Ones(work.model.num_dofs());
     for (auto _ : state) {

@@ -13,6 +13,10 @@ SolidGradient solid_gradient(const SolidAssembly& solid, const Equilibrium& foun
         throw Error(ErrorCode::invalid_argument,
                     "a displacement and the slope of an objective need 3 numbers per node: " +
                         std::to_string(solid.model().num_dofs()));
+    if (!found.tangent)
+        throw Error(ErrorCode::unsupported,
+                    "a gradient needs the equilibrium as solve_equilibrium gives it; there is none "
+                    "yet through a load history");
     TangentSolve& tangent = *found.tangent;
     Eigen::VectorXd lambda;
     if (!tangent.solve_at(u, dj_du, lambda))

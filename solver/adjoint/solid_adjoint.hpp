@@ -22,8 +22,8 @@ struct SolidGradient {
 ///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - K_pf lambda.
 ///   found   from `solve_equilibrium` with `solid`; its factor is used again
 ///   dj_du   [3 num_nodes] partial derivative of J
-/// Throws Error(invalid_argument) for a wrong size, Error(solve_failed) if the tangent is not
-/// positive definite: u is not stable.
+/// Throws Error(invalid_argument) for a wrong size, Error(unsupported) for a state of
+/// `solve_history`, Error(solve_failed) if the tangent is not positive definite: u is not stable.
 SolidGradient solid_gradient(const SolidAssembly& solid, const Equilibrium& found,
                              const Eigen::VectorXd& dj_du);
 

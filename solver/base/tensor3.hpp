@@ -40,6 +40,15 @@ PALPATE_DEVICE Tensor3<Real> scaled(const Tensor3<Real>& a, Real s) {
     return b;
 }
 
+/// a x + b y
+template <typename Real>
+PALPATE_DEVICE Tensor3<Real> sum_of(Real a, const Tensor3<Real>& x, Real b,
+                                    const Tensor3<Real>& y) {
+    Tensor3<Real> sum;
+    for (int i = 0; i < 9; ++i) sum.m[i] = a * x.m[i] + b * y.m[i];
+    return sum;
+}
+
 /// a + a^T
 template <typename Real>
 PALPATE_DEVICE Tensor3<Real> twice_symmetric_part(const Tensor3<Real>& a) {

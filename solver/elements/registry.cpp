@@ -7,7 +7,7 @@
 #include "solver/elements/element_shape.hpp"
 #include "solver/elements/quad4.hpp"
 #include "solver/elements/tet10.hpp"
-#include "solver/elements/tet4_shape.hpp"
+#include "solver/elements/tet4.hpp"
 #include "solver/elements/tri3.hpp"
 #include "solver/elements/tri6.hpp"
 

@@ -7,6 +7,8 @@
 #include <array>
 
 #include "solver/base/types.hpp"
+#include "solver/elements/element_shape.hpp"
+#include "solver/elements/simplex_shapes.hpp"
 
 namespace palpate {
 
@@ -48,6 +50,22 @@ inline Tet4Stiffness tet4_stiffness(const Tet4& tet, double lambda, double mu) {
         for (int b = 0; b < 4; ++b)
             stiffness.block<3, 3>(3 * a, 3 * b) = tet4_stiffness_block(tet, a, b, lambda, mu);
     return stiffness;
+}
+
+/// Linear tetrahedron, one point.
+inline ElementShape tet4_shape() {
+    static constexpr double place[] = {0.25, 0.25, 0.25};
+    static constexpr double weight[] = {1.0 / 6};
+    static constexpr double reference[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    return {"tet4",
+            3,
+            4,
+            4,
+            linear_simplex<3>,
+            reference,
+            place,
+            weight,
+            {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 }
 
 }  // namespace palpate

@@ -119,13 +119,6 @@ private:
         double pressure = 0;                       ///< P(F') : F' / 3
     };
 
-    static Tensor3<double> sum_of(double a, const Tensor3<double>& x, double b,
-                                  const Tensor3<double>& y) {
-        Tensor3<double> sum;
-        for (int i = 0; i < 9; ++i) sum.m[i] = a * x.m[i] + b * y.m[i];
-        return sum;
-    }
-
     /// H' = s H + (s - 1) I keeps its digits near rest.
     void evaluate(Point& point, double log_theta) {
         const double log_scale = (log_theta - std::log1p(point.volume_change)) / 3;

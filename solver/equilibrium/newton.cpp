@@ -227,6 +227,12 @@ Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& load
                               const ProgressSink& progress) {
     check_loads(solid, loads);
     check_options(options);
+    const auto fits = [&](const Eigen::VectorXd& given) {
+        return given.size() == 0 || (given.size() == loads.force.size() && given.allFinite());
+    };
+    if (!fits(start.displacement) || !fits(start.force))
+        throw Error(ErrorCode::invalid_argument,
+                    "the start of a load path needs 3 finite numbers per node, or none");
     EquilibriumStart from = start;
     if (from.displacement.size() == 0) from.displacement.setZero(loads.displacement.size());
     if (from.force.size() == 0) from.force.setZero(loads.force.size());

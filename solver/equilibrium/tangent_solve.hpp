@@ -23,8 +23,9 @@ public:
     /// At u [3 num_nodes] mm, with `shift` times the mean of K's diagonal added to it. False if
     /// that is not positive definite.
     bool factorise(const Eigen::VectorXd& u, double shift = 0);
-    /// x with K_ff x_f = r_f, x_p = 0, for the tangent at u to a relative residual of 1e-12. The
-    /// last factor serves if it is near enough, else a new one is made. False if that fails.
+    /// x with K_ff x_f = r_f, x_p = 0, for the tangent at u to a relative residual of 1e-12, at
+    /// worst 1e-9. The last factor serves if it is near enough, else a new one is made. False if
+    /// that fails.
     bool solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r, Eigen::VectorXd& x);
     /// Why the last factorisation failed.
     const std::string& failure() const { return failure_; }

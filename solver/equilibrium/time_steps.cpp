@@ -12,13 +12,6 @@
 namespace palpate {
 namespace {
 
-/// a x + b y
-Tensor3<double> sum_of(double a, const Tensor3<double>& x, double b, const Tensor3<double>& y) {
-    Tensor3<double> sum;
-    for (int i = 0; i < 9; ++i) sum.m[i] = a * x.m[i] + b * y.m[i];
-    return sum;
-}
-
 /// The histories of all points.
 class ViscousHistory {
 public:
@@ -49,7 +42,7 @@ public:
                 const RelaxationTerm& term = relaxation_of(p)[k];
                 const auto left = sum_of(std::exp(-dt_s / term.time_s), terms_[p][k],
                                          -part_of(term, dt_s), stress_[p]);
-                prestress[p] = sum_of(1, prestress[p], 1, left);
+                prestress[p] = sum_of(1.0, prestress[p], 1.0, left);
             }
         solid.set_viscous_step(std::move(factor), std::move(prestress));
     }
@@ -59,7 +52,7 @@ public:
         for (std::size_t p = 0; p < terms_.size(); ++p)
             for (std::size_t k = 0; k < terms_[p].size(); ++k) {
                 const RelaxationTerm& term = relaxation_of(p)[k];
-                const auto change = sum_of(1, next[p], -1, stress_[p]);
+                const auto change = sum_of(1.0, next[p], -1.0, stress_[p]);
                 terms_[p][k] = sum_of(std::exp(-dt_s / term.time_s), terms_[p][k],
                                       part_of(term, dt_s), change);
             }

@@ -47,10 +47,10 @@ struct ViscousStep {
         return factor * law.energy(s.elastic) + work;
     }
     Tensor3<double> stress(const State& s) const {
-        return with_prestress(law.stress(s.elastic), s.h, 1);
+        return with_prestress(law.stress(s.elastic), s.h, 1.0);
     }
     Tensor3<double> tangent_apply(const State& s, const Tensor3<double>& dh) const {
-        return with_prestress(law.tangent_apply(s.elastic, dh), dh, 0);
+        return with_prestress(law.tangent_apply(s.elastic, dh), dh, 0.0);
     }
     /// What earlier steps left is held.
     Tensor3<double> parameter_stress(const State& s, int k) const {
@@ -61,12 +61,8 @@ private:
     /// factor p + (identity I + h) prestress, the last term without h for small strains.
     Tensor3<double> with_prestress(const Tensor3<double>& p, const Tensor3<double>& h,
                                    double identity) const {
-        Tensor3<double> sum = scaled(p, factor);
-        for (int i = 0; i < 9; ++i) sum.m[i] += identity * prestress.m[i];
-        if constexpr (!is_small_strain<Law>) {
-            const Tensor3<double> turned = times(h, prestress);
-            for (int i = 0; i < 9; ++i) sum.m[i] += turned.m[i];
-        }
+        Tensor3<double> sum = sum_of(factor, p, identity, prestress);
+        if constexpr (!is_small_strain<Law>) sum = sum_of(1.0, sum, 1.0, times(h, prestress));
         return sum;
     }
 };

@@ -32,6 +32,7 @@ def test_a_poisson_ratio_that_the_load_shows_is_found(tmp_path):
     finished = run_palpate("recover", folder / "reference.nii.gz", folder / "target.nii.gz",
                            "--config", config, "--out", out, "--quiet")
     assert finished.returncode == 0, finished.stderr
+    assert "Poisson's ratio" in finished.stdout
     regions = json.loads((out / "result.json").read_text())["regions"]
     found = next(region for region in regions if region["name"] == "prostate")
     low, high = found["searched_poisson_ratio"]["interval"]

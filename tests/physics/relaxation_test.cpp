@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/time_steps.hpp"
 #include "solver/model/quadratic_mesh.hpp"
 #include "tests/fixtures/meshes.hpp"
+#include "tests/fixtures/solid_models.hpp"
 
 namespace palpate {
 namespace {
@@ -39,16 +41,10 @@ struct Block {
 Block make_block(const SolidMaterial& material, VolumeTreatment volume) {
     const SolidMesh mesh =
         with_edge_nodes(solid_mesh_of(fixtures::box_mesh({2, 2, 2}, Vec3(2, 2, 2))));
-    Block block{{mesh, {material}, {}, volume}, {}};
-    block.model.prescribed.assign(3 * mesh.nodes.size(), 0);
-    block.pressed.displacement.setZero(block.model.num_dofs());
-    block.pressed.force.setZero(block.model.num_dofs());
-    for (Index n = 0; n < mesh.num_nodes(); ++n) {
-        const double z = mesh.nodes[n].z();
-        if (z < 1e-9 || z > 2 - 1e-9) std::fill_n(&block.model.prescribed[3 * n], 3, 1);
-        if (z > 2 - 1e-9) block.pressed.displacement[3 * n + 2] = -0.3;
-    }
-    return block;
+    SolidModel model = fixtures::solid_model(mesh, material);
+    model.volume = volume;
+    auto [held, loads] = fixtures::between_plates(std::move(model), Vec3(0, 0, -0.3));
+    return {std::move(held), std::move(loads)};
 }
 
 /// The force after an endless time: that of the law alone.
