@@ -17,6 +17,8 @@ namespace palpate {
 struct SolidLoads {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm at prescribed dofs, ignored elsewhere
     Eigen::VectorXd force;         ///< [3 num_nodes] mN, of constant direction
+    /// [contacts] mm from where the model has the obstacles; empty: they rest.
+    std::vector<Vec3> obstacle_motion = {};
 };
 
 struct EquilibriumOptions {

@@ -34,6 +34,7 @@ void check_model(const SolidModel& model) {
                std::to_string(model.mesh.region[e]) + "; there are materials for " +
                std::to_string(model.materials.size()) + " regions");
     }
+    for (const Contact& contact : model.contacts) check_contact(contact, model.mesh);
     if (model.prescribed.size() != static_cast<std::size_t>(model.num_dofs())) {
         refuse("the flags of prescribed displacements must be 3 per node");
     }

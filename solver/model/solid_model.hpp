@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "solver/model/contact.hpp"
 #include "solver/model/solid_mesh.hpp"
 
 namespace palpate {
@@ -36,13 +37,14 @@ struct SolidModel {
     std::vector<SolidMaterial> materials;  ///< indexed by `mesh.region`
     std::vector<std::uint8_t> prescribed;  ///< [3 num_nodes], 1 where the displacement is given
     VolumeTreatment volume = VolumeTreatment::pointwise;
+    std::vector<Contact> contacts = {};
 
     Index num_dofs() const { return 3 * mesh.num_nodes(); }
 };
 
 /// Throws Error(invalid_argument) naming the first broken rule: those of `check_mesh`, laws and
-/// parameters, regions without material, the size of `prescribed`, in a plane a third component
-/// that is not prescribed, and a mean volume in plane stress, where the law sets it.
+/// parameters, regions without material, contacts, the size of `prescribed`, in a plane a third
+/// component that is not prescribed, and a mean volume in plane stress, where the law sets it.
 void check_model(const SolidModel& model);
 
 /// Prescribes the third component of every node of a plane mesh, and the distance from the axis of
