@@ -90,7 +90,7 @@ void check_times(const std::vector<LoadTime>& times) {
 
 std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,
                                        const EquilibriumOptions& options,
-                                       const ProgressSink& progress) {
+                                       const ProgressSink& progress, const TimeObserver& observer) {
     check_times(times);
     SolidAssembly solid(model);
     ViscousHistory history(solid);
@@ -101,6 +101,7 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
         const double dt_s = at.time_s - now_s;
         if (history.is_needed()) history.begin_step(dt_s, solid);
         states.push_back(solve_equilibrium(solid, at.loads, options, start, progress));
+        if (observer) observer(solid, states.back());
         states.back().tangent.reset();  // the assembly ends with this function
         if (!states.back().converged) break;
         if (history.is_needed()) history.end_step(dt_s, solid, states.back().displacement);

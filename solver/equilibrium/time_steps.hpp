@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "solver/equilibrium/newton.hpp"
@@ -15,6 +16,9 @@ struct LoadTime {
     SolidLoads loads;
 };
 
+/// Sees each state of a history with the assembly that it is an equilibrium of.
+using TimeObserver = std::function<void(const SolidAssembly&, const Equilibrium&)>;
+
 /// Quasi-static equilibrium at each of the times, ascending from above 0. With the reduced
 /// relaxation function G(t) = 1 + sum_k C_k exp(-t / tau_k) of quasi-linear viscoelasticity (Fung
 /// 1993, section 7.6) the second Piola stress is that of the law, S, plus one history per term,
@@ -24,6 +28,7 @@ struct LoadTime {
 /// Error(invalid_argument) for times that do not ascend.
 std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,
                                        const EquilibriumOptions& options,
-                                       const ProgressSink& progress = {});
+                                       const ProgressSink& progress = {},
+                                       const TimeObserver& observer = {});
 
 }  // namespace palpate

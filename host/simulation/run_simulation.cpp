@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/simulation/run_simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+namespace palpate {
+namespace {
+
+/// Time of a state of step `step` that reached the part `load` of it.
+double time_of(const PreparedSimulation& prepared, std::size_t step, double load) {
+    const double before = step == 0 ? 0 : prepared.time_s[step - 1];
+    const double time = before + load * (prepared.time_s[step] - before);
+    return prepared.is_static ? time / prepared.time_s.back() : time;
+}
+
+std::vector<Vec3> support_forces(const PreparedSimulation& prepared,
+                                 const Eigen::VectorXd& reaction) {
+    std::vector<Vec3> forces;
+    for (const SupportSet& set : prepared.supports) {
+        forces.emplace_back(Vec3::Zero());
+        for (const Index dof : set.dofs) forces.back()[dof % 3] += reaction[dof];
+    }
+    return forces;
+}
+
+double stored_energy(const SolidAssembly& solid, const CellFields& cells,
+                     const std::vector<double>& volume) {
+    double energy = 0;
+    for (Index e = 0; e < solid.model().mesh.num_elements(); ++e)
+        energy += volume[e] * cells.energy_density_kpa[e];
+    return energy;
+}
+
+std::vector<double> element_volumes(const SolidMesh& mesh) {
+    const auto points = point_geometry(mesh);
+    const auto per_element = static_cast<std::size_t>(mesh.table().num_points);
+    std::vector<double> volume(mesh.region.size(), 0.0);
+    for (std::size_t k = 0; k < points.size(); ++k) volume[k / per_element] += points[k].volume;
+    return volume;
+}
+
+SimulationState state_of(const PreparedSimulation& prepared, const SolidAssembly& solid,
+                         const Equilibrium& found, double time_s,
+                         const std::vector<double>& volume) {
+    SimulationState state;
+    state.time_s = time_s;
+    state.displacement = found.displacement;
+    state.reaction = found.reaction;
+    state.cells = cell_fields(solid, found.displacement);
+    state.energy_mn_mm = stored_energy(solid, state.cells, volume);
+    state.support_force_mn = support_forces(prepared, found.reaction);
+    return state;
+}
+
+SimulationState rest_state(const PreparedSimulation& prepared, const std::vector<double>& volume) {
+    Equilibrium rest;
+    rest.displacement.setZero(prepared.model.num_dofs());
+    rest.reaction.setZero(prepared.model.num_dofs());
+    return state_of(prepared, SolidAssembly(prepared.model), rest, 0, volume);
+}
+
+}  // namespace
+
+SimulationResult run_simulation(const SimulationSettings& settings, const ProgressSink& progress) {
+    const auto begin = std::chrono::steady_clock::now();
+    report_progress(progress, "reading", 0, "mesh and loads");
+    SimulationResult result;
+    result.settings = settings;
+    result.prepared = prepare_simulation(settings);
+    result.element_volume_mm3 = element_volumes(result.mesh());
+    const PreparedSimulation& prepared = result.prepared;
+    const std::size_t count = prepared.time_s.size();
+    std::vector<LoadTime> times;
+    for (std::size_t k = 0; k < count; ++k)
+        times.push_back({prepared.time_s[k], prepared.loads_at(settings, k)});
+    result.states.push_back(rest_state(prepared, result.element_volume_mm3));
+    const ProgressSink inner_progress = [&](const Progress& inner) {
+        const std::size_t step = result.steps.size();
+        report_progress(progress, "solving",
+                        (static_cast<double>(step) + std::max(inner.fraction, 0.0)) /
+                            static_cast<double>(count),
+                        fmt::format("time {} of {}, {}", step + 1, count, inner.message));
+    };
+    solve_history(
+        prepared.model, times, settings.newton, inner_progress,
+        [&](const SolidAssembly& solid, const Equilibrium& found) {
+            const std::size_t step = result.steps.size();
+            const double reached_s = time_of(prepared, step, found.load);
+            result.steps.push_back({time_of(prepared, step, 1), reached_s, found.relative_residual,
+                                    found.converged, found.message, found.records});
+            if (found.load > 0)
+                result.states.push_back(
+                    state_of(prepared, solid, found, reached_s, result.element_volume_mm3));
+        });
+    result.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/simulation/simulation_plots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "host/report/findings.hpp"
+#include "host/report/legend.hpp"
+#include "host/report/markup.hpp"
+#include "host/report/plot.hpp"
+#include "host/simulation/mesh_picture.hpp"
+#include "host/simulation/simulation_findings.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double plot_width = 440, plot_height = 270;
+constexpr std::size_t fewest_states = 3;  ///< a curve through less says nothing
+constexpr std::size_t most_marks = 60;    ///< more would hide the curve
+
+struct Curve {
+    std::string name;
+    std::vector<double> x, y;
+};
+
+std::string figure(const std::string& legend, const std::string& svg, const std::string& caption) {
+    return fmt::format("<figure>{}{}<figcaption>{}</figcaption></figure>", legend, svg,
+                       escape_html(caption));
+}
+
+/// Round the values, with 0 inside and a little room.
+PlotAxis axis_of(const std::vector<Curve>& curves, std::vector<double> Curve::*values,
+                 const std::string& label) {
+    double low = 0, high = 0;
+    for (const Curve& curve : curves)
+        for (const double value : curve.*values) {
+            low = std::min(low, value);
+            high = std::max(high, value);
+        }
+    const double room = high > low ? 0.05 * (high - low) : 1;
+    return {low < 0 ? low - room : 0, high > 0 ? high + room : (low < 0 ? 0 : room), false, label};
+}
+
+std::string curves_figure(const std::string& id, const std::vector<Curve>& curves,
+                          const std::string& x_label, const std::string& y_label,
+                          const std::string& title, const std::string& caption) {
+    if (curves.empty()) return "";
+    PlotAxis x = axis_of(curves, &Curve::x, x_label);
+    const PlotAxis y = axis_of(curves, &Curve::y, y_label);
+    Plot plot(id, plot_width, plot_height, x, y);
+    if (y.low < 0 && y.high > 0) plot.guide({x.low, x.high}, {0, 0}, "");
+    std::vector<LegendEntry> legend;
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+        plot.curve(curves[k].x, curves[k].y, list_colour(k), curves[k].x.size() <= most_marks);
+        legend.push_back({curves[k].name, list_colour(k)});
+    }
+    return figure(legend_html(legend), plot.svg(title), caption);
+}
+
+/// The component that is largest over the run: 0, 1 or 2; -1 if none is above rounding.
+int main_component(const SimulationResult& result, std::size_t support, double negligible) {
+    Vec3 largest = Vec3::Zero();
+    for (const SimulationState& state : result.states)
+        largest = largest.cwiseMax(state.support_force_mn[support].cwiseAbs());
+    int component = 0;
+    return largest.maxCoeff(&component) > negligible ? component : -1;
+}
+
+std::vector<double> times_of(const SimulationResult& result) {
+    std::vector<double> times;
+    const double factor = result.prepared.is_static ? 100 : 1;
+    for (const SimulationState& state : result.states) times.push_back(factor * state.time_s);
+    return times;
+}
+
+std::string time_label(const SimulationResult& result) {
+    return result.prepared.is_static ? "part of the load, %" : "time, s";
+}
+
+std::string forces_over_time(const SimulationResult& result) {
+    double largest = 0;
+    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s)
+        largest = std::max(largest, largest_force(result, s).size_mn);
+    std::vector<Curve> curves;
+    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s) {
+        const int component = main_component(result, s, 1e-6 * largest);
+        if (component < 0) continue;
+        Curve curve{fmt::format("{}, {}", result.prepared.supports[s].name,
+                                static_cast<char>('x' + component)),
+                    times_of(result),
+                    {}};
+        for (const SimulationState& state : result.states)
+            curve.y.push_back(state.support_force_mn[s][component]);
+        curves.push_back(std::move(curve));
+    }
+    return curves_figure("force-time", curves, time_label(result), "force on the body, mN",
+                         "Forces of the supports over time",
+                         "Force that each support exerts on the body: its largest component.");
+}
+
+/// Force along the motion over the distance moved, for every support that moves.
+std::string forces_over_displacement(const SimulationResult& result) {
+    std::vector<Curve> curves;
+    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s) {
+        const SupportSet& set = result.prepared.supports[s];
+        const double full = set.displacement_mm.norm();
+        if (full == 0 || set.dofs.empty()) continue;
+        const Vec3 direction = set.displacement_mm / full;
+        const auto moves = [&](Index dof) { return set.displacement_mm[dof % 3] != 0; };
+        const auto dof = std::find_if(set.dofs.begin(), set.dofs.end(), moves);
+        if (dof == set.dofs.end()) continue;
+        Curve curve{set.name, {}, {}};
+        for (const SimulationState& state : result.states) {
+            curve.x.push_back(full * state.displacement[*dof] / set.displacement_mm[*dof % 3]);
+            curve.y.push_back(state.support_force_mn[s].dot(direction));
+        }
+        if (std::set<double>(curve.x.begin(), curve.x.end()).size() >= fewest_states)
+            curves.push_back(std::move(curve));
+    }
+    return curves_figure("force-displacement", curves, "moved, mm", "force along the motion, mN",
+                         "Force over displacement",
+                         "Force along the motion over the distance moved.");
+}
+
+std::string displacement_over_time(const SimulationResult& result) {
+    Curve curve{"largest displacement", times_of(result), {}};
+    for (const SimulationState& state : result.states)
+        curve.y.push_back(largest_displacement(state).length_mm);
+    return curves_figure("displacement-time", {curve}, time_label(result), "displacement, mm",
+                         "Largest displacement over time",
+                         "Displacement of the point that moves farthest.");
+}
+
+bool has_moving_support(const SimulationResult& result) {
+    return std::any_of(result.prepared.supports.begin(), result.prepared.supports.end(),
+                       [](const SupportSet& set) { return set.displacement_mm.norm() > 0; });
+}
+
+}  // namespace
+
+std::string force_figures(const SimulationResult& result) {
+    if (result.states.size() < fewest_states) return "";
+    return forces_over_time(result) + (has_moving_support(result) ? forces_over_displacement(result)
+                                                                  : displacement_over_time(result));
+}
+
+std::string newton_figure(const SimulationResult& result) {
+    const double tolerance = result.settings.newton.relative_tolerance;
+    double low = tolerance, high = tolerance;
+    Curve curve;
+    for (const SimulationStep& step : result.steps) {
+        for (const NewtonRecord& record : step.records) {
+            curve.x.push_back(static_cast<double>(curve.x.size()) + 1);
+            curve.y.push_back(std::max(record.relative_residual, 1e-3 * tolerance));
+            low = std::min(low, curve.y.back());
+            high = std::max(high, curve.y.back());
+        }
+    }
+    if (curve.x.empty()) return "";
+    Plot plot("newton", plot_width, plot_height,
+              {0.5, curve.x.back() + 0.5, false, "Newton step, all load steps in a row"},
+              {low / 3, high * 3, true, "relative residual"});
+    plot.horizontal_rule(tolerance, "tolerance");
+    std::size_t at = 0;
+    for (const SimulationStep& step : result.steps) {
+        // One line for each load that was tried.
+        for (std::size_t k = 0; k < step.records.size();) {
+            std::size_t end = k + 1;
+            while (end < step.records.size() && step.records[end].load == step.records[k].load &&
+                   step.records[end - 1].step_length != 0)
+                ++end;
+            const auto part = [&](const std::vector<double>& values) {
+                return std::vector<double>(values.begin() + at + k, values.begin() + at + end);
+            };
+            plot.curve(part(curve.x), part(curve.y), "var(--accent)",
+                       curve.x.size() <= 2 * most_marks);
+            k = end;
+        }
+        at += step.records.size();
+    }
+    return figure("", plot.svg("Residual over Newton steps"),
+                  "What the forces lack to equilibrium, relative to their size. Each line is one "
+                  "load; it ends below the tolerance.");
+}
+
+std::string body_figures(const SimulationResult& result) {
+    const SimulationState& state = result.states[shown_state(result)];
+    const SolidMesh& mesh = result.mesh();
+    MeshPicture displacement{"displacement, mm", {}, 0, 1};
+    for (Index n = 0; n < mesh.num_nodes(); ++n)
+        displacement.value.push_back(state.displacement.segment<3>(3 * n).norm());
+    MeshPicture stress{"von Mises stress, kPa", at_nodes(mesh, state.cells.von_mises_kpa), 0, 1};
+    const double factor = enlargement(mesh, largest_displacement(state).length_mm);
+    const std::string when = time_text(result, state.time_s);
+    const std::string drawn =
+        factor == 1 ? "in true proportion"
+                    : fmt::format("displacements drawn {} times as large", significant(factor));
+    std::string out;
+    for (MeshPicture* picture : {&displacement, &stress}) {
+        const double high = *std::max_element(picture->value.begin(), picture->value.end());
+        if (high > 0) picture->high = high;
+        const bool is_first = picture == &displacement;
+        out += figure("",
+                      mesh_picture_svg(mesh, state.displacement, factor, *picture,
+                                       is_first ? "scale-displacement" : "scale-stress"),
+                      fmt::format("{} {}, {}. Dashed: the outline at rest.",
+                                  is_first ? "Displacement" : "Von Mises stress", when, drawn));
+    }
+    return out;
+}
+
+}  // namespace palpate
