@@ -17,7 +17,7 @@
 namespace palpate {
 namespace {
 
-constexpr double width = 440, height = 400, margin = 14, scale_height = 58;
+constexpr double width = 440, tallest_body = 330, margin = 14, scale_height = 62;
 constexpr std::size_t most_with_lines = 6000;  ///< patches; beyond, mesh lines would be a blur
 
 /// The sequential map of surface_viewer.js (after viridis).
@@ -136,16 +136,16 @@ public:
             }
         centre_ = (low + high) / 2;
         const Eigen::Vector2d size = (high - low).cwiseMax(1e-9);
-        pixels_per_mm = std::min((width - 2 * margin) / size.x(),
-                                 (height - scale_height - 2 * margin) / size.y());
+        pixels_per_mm = std::min((width - 2 * margin) / size.x(), tallest_body / size.y());
+        body_height = 2 * margin + pixels_per_mm * size.y();
     }
     std::string point(const Vec3& place) const {
         const double x = place.dot(view_.right) - centre_.x();
         const double y = place.dot(view_.up) - centre_.y();
         return fmt::format("{:.1f} {:.1f}", width / 2 + pixels_per_mm * x,
-                           (height - scale_height) / 2 - pixels_per_mm * y);
+                           body_height / 2 - pixels_per_mm * y);
     }
-    double pixels_per_mm = 1;
+    double pixels_per_mm = 1, body_height = 1;
 
 private:
     const View& view_;
@@ -179,8 +179,8 @@ std::string patch_path(const Patch& patch, const std::vector<Vec3>& places, cons
                        has_lines ? "" : fmt::format(" stroke='{}'", colour));
 }
 
-std::string colour_scale(const MeshPicture& picture, const std::string& id) {
-    const double left = width / 2 - 130, right = width / 2 + 130, y = height - 44;
+std::string colour_scale(const MeshPicture& picture, const std::string& id, double top) {
+    const double left = width / 2 - 130, right = width / 2 + 130, y = top + 8;
     std::string stops;
     for (std::size_t k = 0; k < colour_map.size(); ++k) {
         const double part = static_cast<double>(k) / (colour_map.size() - 1);
@@ -196,17 +196,17 @@ std::string colour_scale(const MeshPicture& picture, const std::string& id) {
                            left + part * (right - left), y + 23,
                            significant(picture.low + part * (picture.high - picture.low)));
     return out + fmt::format("<text class='label' x='{}' y='{}' text-anchor='middle'>{}</text>",
-                             width / 2, height - 5, escape_html(picture.quantity));
+                             width / 2, y + 41, escape_html(picture.quantity));
 }
 
-std::string scale_bar(double pixels_per_mm) {
+std::string scale_bar(double pixels_per_mm, double top) {
     double length = std::pow(10, std::floor(std::log10(80 / pixels_per_mm)));
     for (const double step : {5.0, 2.0})
         if (step * length * pixels_per_mm <= 80) {
             length *= step;
             break;
         }
-    const double y = height - 36;
+    const double y = top + 16;
     return fmt::format(
         "<path class='scale-bar' d='M{0} {1}v-4v4h{2:.1f}v-4'/><text class='tick' x='{0}' "
         "y='{3}'>{4:g} mm</text>",
@@ -268,8 +268,10 @@ std::string mesh_picture_svg(const SolidMesh& mesh, const Eigen::VectorXd& u, do
             const double part = (value - picture.low) / (picture.high - picture.low);
             faces += patch_path(*patch, moved, frame, colour_at(part, light), has_lines);
         }
-        for (const auto& [a, b] : edges)
+        for (const auto& [a, b] : edges) {
+            if (is_mirrored && rest[a].x() == 0 && rest[b].x() == 0) continue;  // the axis
             lines += fmt::format("M{}L{}", frame.point(rest[a]), frame.point(rest[b]));
+        }
     };
     draw_half();
     if (is_mirrored) {
@@ -280,9 +282,10 @@ std::string mesh_picture_svg(const SolidMesh& mesh, const Eigen::VectorXd& u, do
     return fmt::format(
         "<svg class='plot body' viewBox='0 0 {} {}' role='img' aria-label='{}'><g class='{}'>{}</g>"
         "<path class='rest' d='{}'/>{}{}</svg>",
-        width, height, escape_html("Deformed body: " + picture.quantity),
-        has_lines ? "faces lined" : "faces", faces, lines, colour_scale(picture, id),
-        scale_bar(frame.pixels_per_mm));
+        width, frame.body_height + scale_height, escape_html("Deformed body: " + picture.quantity),
+        has_lines ? "faces lined" : "faces", faces, lines,
+        colour_scale(picture, id, frame.body_height),
+        scale_bar(frame.pixels_per_mm, frame.body_height));
 }
 
 }  // namespace palpate

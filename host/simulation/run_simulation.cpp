@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 
 namespace palpate {
 namespace {
@@ -16,12 +17,23 @@ double time_of(const PreparedSimulation& prepared, std::size_t step, double load
     return prepared.is_static ? time / prepared.time_s.back() : time;
 }
 
+/// Sums; a component that is rounding beside the parts it is the sum of is 0. Radial forces about
+/// an axis cancel.
 std::vector<Vec3> support_forces(const PreparedSimulation& prepared,
                                  const Eigen::VectorXd& reaction) {
+    constexpr double rounding = 1e-12;
+    const bool has_axis = prepared.model.mesh.formulation == Formulation::axisymmetric;
     std::vector<Vec3> forces;
     for (const SupportSet& set : prepared.supports) {
-        forces.emplace_back(Vec3::Zero());
-        for (const Index dof : set.dofs) forces.back()[dof % 3] += reaction[dof];
+        Vec3 sum = Vec3::Zero();
+        double size = 0;
+        for (const Index dof : set.dofs) {
+            sum[dof % 3] += reaction[dof];
+            size += std::abs(reaction[dof]);
+        }
+        for (int c = 0; c < 3; ++c)
+            if (std::abs(sum[c]) <= rounding * size || (has_axis && c == 0)) sum[c] = 0;
+        forces.push_back(sum);
     }
     return forces;
 }

@@ -17,7 +17,7 @@ struct SimulationState {
     Eigen::VectorXd reaction;      ///< [3 num_nodes] mN
     CellFields cells;
     double energy_mn_mm = 0;             ///< stored by the laws alone
-    std::vector<Vec3> support_force_mn;  ///< [supports] resultant on each
+    std::vector<Vec3> support_force_mn;  ///< [supports] resultants on the body
 };
 
 /// How one step was solved.

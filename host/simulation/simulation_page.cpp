@@ -78,17 +78,13 @@ std::string forces_table(const SimulationResult& result) {
         const SupportSet& set = result.prepared.supports[s];
         const LargestForce force = largest_force(result, s);
         const Vec3& f = result.states[force.state].support_force_mn[s];
-        const double negligible = 1e-9 * force.size_mn;
-        const auto number = [&](double value) {
-            return std::abs(value) <= negligible ? std::string("0") : significant(value);
-        };
         out += fmt::format(
             "<tr><th>{}</th><td>{}</td><td class='num'>{}</td><td class='num'>{}</td><td "
             "class='num'>{}</td><td class='num'>{}</td><td class='num'>{}</td><td class='num'>{}"
             "</td><td>{}</td></tr>",
             escape_html(set.name), set.is_fix ? "fixed" : "moved", set.num_nodes,
-            set.is_fix ? "–" : significant(set.displacement_mm.norm()), number(f.x()),
-            number(f.y()), number(f.z()), significant(force.size_mn),
+            set.is_fix ? "–" : significant(set.displacement_mm.norm()), significant(f.x()),
+            significant(f.y()), significant(f.z()), significant(force.size_mn),
             time_text(result, result.states[force.state].time_s));
     }
     return out + "</tbody></table></div>";
@@ -109,9 +105,9 @@ std::string material_text(const SolidMaterial& material) {
         const MaterialParameter& parameter = law.parameters[k];
         std::string symbol = symbol_of(parameter);
         std::replace(symbol.begin(), symbol.end(), '_', ' ');
-        out += fmt::format("{}<span title='{}'>{} {} {}</span>", k ? ", " : "",
+        out += fmt::format("{}<span title='{}'>{} {}{}{}</span>", k ? ", " : "",
                            escape_html(parameter.meaning), escape_html(symbol),
-                           significant(material.parameters[k]),
+                           significant(material.parameters[k]), parameter.unit == "1" ? "" : " ",
                            parameter.unit == "1" ? "" : parameter.unit);
     }
     for (const RelaxationTerm& term : material.relaxation)
