@@ -14,9 +14,10 @@ namespace palpate {
 
 /// What a displacement stores and how it pushes back.
 struct InternalForce {
-    double energy = 0;      ///< mN mm; infinite if not valid
-    Eigen::VectorXd force;  ///< [3 num_nodes] mN, dW/du
-    bool is_valid = true;   ///< false where matter is inverted at any point
+    double energy = 0;         ///< mN mm; infinite if not valid
+    Eigen::VectorXd force;     ///< [3 num_nodes] mN, dW/du
+    bool is_valid = true;      ///< false where matter is inverted at any point
+    double contact_force = 0;  ///< norm of what obstacles add to `force`, mN
 };
 
 /// Energy, forces and stiffness of a SolidModel at a displacement (total Lagrangian: all integrals

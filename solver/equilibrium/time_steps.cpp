@@ -104,7 +104,8 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
         states.back().tangent.reset();  // the assembly ends with this function
         if (!states.back().converged) break;
         if (history.is_needed()) history.end_step(dt_s, solid, states.back().displacement);
-        start = {states.back().displacement, at.loads.force};
+        start = {states.back().displacement, at.loads.force, at.loads.obstacle_motion,
+                 states.back().contact.friction};
         now_s = at.time_s;
     }
     return states;
