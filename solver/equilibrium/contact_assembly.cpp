@@ -185,7 +185,8 @@ void ContactAssembly::add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix)
     }
 }
 
-void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& matrix) const {
+void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, bool is_transposed,
+                                      BlockMatrix& matrix) const {
     if (!has_friction()) return;
     for (const Point& point : points_) {
         const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
@@ -194,7 +195,8 @@ void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& mat
                                            variables(point.friction_before, 6), point.limit);
         const Mat3 missing =
             slopes_at(point, u).friction.leftCols<3>() - rates(held.friction).leftCols<3>();
-        if (!missing.isZero(0)) add_stiffness(point, -missing.transpose(), matrix);
+        const Mat3 turned = is_transposed ? Mat3(missing.transpose()) : missing;
+        if (!missing.isZero(0)) add_stiffness(point, -turned, matrix);
     }
 }
 

@@ -56,8 +56,8 @@ public:
     void add_force(const Eigen::VectorXd& u, InternalForce& sum) const;
     /// Adds dF/du with limits held, to a matrix of `SolidAssembly::make_matrix`.
     void add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
-    /// Adds the transpose of what the limits' following the pressure adds to dF/du.
-    void add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
+    /// Adds what the limits' following the pressure adds to dF/du, or the transpose of that.
+    void add_limit_rates(const Eigen::VectorXd& u, bool is_transposed, BlockMatrix& matrix) const;
     /// With limits as the pressure at u has them.
     ContactState state(const Eigen::VectorXd& u) const;
 

@@ -153,9 +153,10 @@ TEST(Contact, StiffnessIsTheSlopeOfTheForce) {
         contact.place(pressed.motion);
         contact.renew_limits(pressed.u);
         const SolidAssembly solid(pressed.model);
-        BlockMatrix held = solid.make_matrix(), rates = solid.make_matrix();
+        BlockMatrix held = solid.make_matrix(), rates = held, transposed = held;
         contact.add_tangent(pressed.u, held);
-        contact.add_limit_rates(pressed.u, rates);
+        contact.add_limit_rates(pressed.u, false, rates);
+        contact.add_limit_rates(pressed.u, true, transposed);
         const Eigen::VectorXd v = direction_of(pressed.u);
         constexpr double step = 1e-6;
         const auto slope = [&](bool renews) {
@@ -170,9 +171,10 @@ TEST(Contact, StiffnessIsTheSlopeOfTheForce) {
         };
         const Eigen::VectorXd expected = slope(false), all = slope(true);
         EXPECT_LT((product(held, v) - expected).norm(), 1e-6 * expected.norm()) << name;
-        // add_limit_rates gives the transpose: w . R v = v . R^T w
+        EXPECT_LT((product(rates, v) - (all - expected)).norm(), 1e-5 * all.norm()) << name;
         const Eigen::VectorXd w = direction_of(0.5 * pressed.u).reverse();
-        EXPECT_NEAR(product(rates, w).dot(v), w.dot(all - expected), 1e-5 * all.norm()) << name;
+        EXPECT_NEAR(product(transposed, w).dot(v), w.dot(product(rates, v)), 1e-9 * all.norm())
+            << name;
     });
 }
 
