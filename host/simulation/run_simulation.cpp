@@ -63,7 +63,10 @@ SimulationState state_of(const PreparedSimulation& prepared, const SolidAssembly
     state.reaction = found.reaction;
     state.cells = cell_fields(solid, found.displacement);
     state.energy_mn_mm = stored_energy(solid, state.cells, volume);
-    state.support_force_mn = support_forces(prepared, found.reaction);
+    state.force_mn = support_forces(prepared, found.reaction);
+    state.force_mn.insert(state.force_mn.end(), found.contact.force.begin(),
+                          found.contact.force.end());
+    state.depth_mm = found.contact.depth_mm;
     return state;
 }
 
@@ -71,6 +74,8 @@ SimulationState rest_state(const PreparedSimulation& prepared, const std::vector
     Equilibrium rest;
     rest.displacement.setZero(prepared.model.num_dofs());
     rest.reaction.setZero(prepared.model.num_dofs());
+    rest.contact.force.assign(prepared.model.contacts.size(), Vec3::Zero());
+    rest.contact.depth_mm.assign(prepared.model.contacts.size(), 0.0);
     return state_of(prepared, SolidAssembly(prepared.model), rest, 0, volume);
 }
 

@@ -16,8 +16,9 @@ struct SimulationState {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
     Eigen::VectorXd reaction;      ///< [3 num_nodes] mN
     CellFields cells;
-    double energy_mn_mm = 0;             ///< stored by the laws alone
-    std::vector<Vec3> support_force_mn;  ///< [supports] resultants on the body
+    double energy_mn_mm = 0;       ///< stored by the laws alone
+    std::vector<Vec3> force_mn;    ///< [holders] resultants on the body
+    std::vector<double> depth_mm;  ///< [obstacles] how deep the body is in them
 };
 
 /// How one step was solved.
@@ -39,6 +40,15 @@ struct SimulationResult {
     double seconds = 0;                   ///< of the solve
 
     bool converged() const { return steps.back().converged; }
+    /// What exerts forces on the body: first the supports, then the obstacles.
+    std::size_t num_holders() const {
+        return prepared.supports.size() + prepared.contact_names.size();
+    }
+    const std::string& holder_name(std::size_t holder) const {
+        const std::size_t supports = prepared.supports.size();
+        return holder < supports ? prepared.supports[holder].name
+                                 : prepared.contact_names[holder - supports];
+    }
     const SolidMesh& mesh() const { return prepared.model.mesh; }
 };
 

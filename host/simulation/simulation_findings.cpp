@@ -35,10 +35,10 @@ std::string time_text(const SimulationResult& result, double time_s) {
     return fmt::format("at {} % of the load", significant(100 * time_s));
 }
 
-LargestForce largest_force(const SimulationResult& result, std::size_t support) {
+LargestForce largest_force(const SimulationResult& result, std::size_t holder) {
     LargestForce largest;
     for (std::size_t k = 0; k < result.states.size(); ++k) {
-        const double size = result.states[k].support_force_mn[support].norm();
+        const double size = result.states[k].force_mn[holder].norm();
         if (size > largest.size_mn) largest = {size, k};
     }
     return largest;
@@ -81,12 +81,12 @@ std::vector<std::string> simulation_sentences(const SimulationResult& result) {
     sentences.push_back(fmt::format("Largest displacement {} mm, {}.",
                                     significant(largest.length_mm),
                                     time_text(result, state.time_s)));
-    for (std::size_t k = 0; k < result.prepared.supports.size(); ++k) {
+    for (std::size_t k = 0; k < result.num_holders(); ++k) {
         const LargestForce force = largest_force(result, k);
-        const Vec3& f = result.states[force.state].support_force_mn[k];
+        const Vec3& f = result.states[force.state].force_mn[k];
         sentences.push_back(
             fmt::format("Force of '{}' on the body: up to {} mN ({}), as a vector ({}, {}, {}) mN.",
-                        harmless(result.prepared.supports[k].name), significant(force.size_mn),
+                        harmless(result.holder_name(k)), significant(force.size_mn),
                         time_text(result, result.states[force.state].time_s), significant(f.x()),
                         significant(f.y()), significant(f.z())));
     }

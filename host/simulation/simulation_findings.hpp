@@ -21,12 +21,12 @@ struct LargestDisplacement {
 };
 LargestDisplacement largest_displacement(const SimulationState& state);
 
-/// The largest resultant on a support over all states.
+/// The largest resultant of a holder over all states.
 struct LargestForce {
     double size_mn = 0;
     std::size_t state = 0;
 };
-LargestForce largest_force(const SimulationResult& result, std::size_t support);
+LargestForce largest_force(const SimulationResult& result, std::size_t holder);
 
 /// Undeformed volume of an element set and what became of it in a state.
 struct VolumeChange {

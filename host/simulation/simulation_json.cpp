@@ -134,15 +134,19 @@ Json step_json(const SimulationStep& step) {
 Json state_json(const SimulationResult& result, std::size_t k) {
     const SimulationState& state = result.states[k];
     Json forces = Json::object();
-    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s)
-        forces[result.prepared.supports[s].name] = vector3(state.support_force_mn[s]);
+    for (std::size_t h = 0; h < result.num_holders(); ++h)
+        forces[result.holder_name(h)] = vector3(state.force_mn[h]);
+    Json depths = Json::object();
+    for (std::size_t c = 0; c < state.depth_mm.size(); ++c)
+        depths[result.prepared.contact_names[c]] = number(state.depth_mm[c]);
     const VolumeChange volume = volume_change(result, state);
     return {{"time", number(state.time_s)},
             {"file", state_file_name(k)},
             {"largest_displacement_mm", number(largest_displacement(state).length_mm)},
             {"stored_energy_mn_mm", number(state.energy_mn_mm)},
             {"volume_mm3", number(volume.after_mm3)},
-            {"support_force_mn", forces}};
+            {"force_mn", forces},
+            {"depth_in_obstacle_mm", depths}};
 }
 
 }  // namespace
@@ -165,13 +169,13 @@ std::string simulation_json(const SimulationResult& result) {
 
 std::string reactions_csv(const SimulationResult& result) {
     std::string out = result.prepared.is_static ? "load" : "time_s";
-    for (const SupportSet& set : result.prepared.supports)
+    for (std::size_t h = 0; h < result.num_holders(); ++h)
         for (const char* component : {"_x_mn", "_y_mn", "_z_mn"})
-            out.append(",").append(harmless(set.name)).append(component);
+            out.append(",").append(harmless(result.holder_name(h))).append(component);
     out += "\n";
     for (const SimulationState& state : result.states) {
         out += csv_number(state.time_s);
-        for (const Vec3& force : state.support_force_mn)
+        for (const Vec3& force : state.force_mn)
             for (int c = 0; c < 3; ++c) out.append(",").append(csv_number(force[c]));
         out += "\n";
     }

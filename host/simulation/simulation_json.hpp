@@ -13,7 +13,8 @@ namespace palpate {
 /// finite are null. Holds no path and no file name.
 std::string simulation_json(const SimulationResult& result);
 
-/// reactions.csv: a row per state, the resultant force of each [[fix]] and [[move]] on the body.
+/// reactions.csv: a row per state, the resultant force of each [[fix]], [[move]] and [[obstacle]]
+/// on the body.
 std::string reactions_csv(const SimulationResult& result);
 
 }  // namespace palpate

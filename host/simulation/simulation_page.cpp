@@ -33,15 +33,14 @@ std::string signed_percent(double percent) {
 
 std::string force_card(const SimulationResult& result) {
     std::size_t strongest = 0;
-    for (std::size_t s = 1; s < result.prepared.supports.size(); ++s)
+    for (std::size_t s = 1; s < result.num_holders(); ++s)
         if (largest_force(result, s).size_mn > largest_force(result, strongest).size_mn)
             strongest = s;
-    if (result.prepared.supports.empty()) return "";
+    if (result.num_holders() == 0) return "";
     const LargestForce force = largest_force(result, strongest);
-    return card(
-        fmt::format("Force of “{}”", result.prepared.supports[strongest].name),
-        significant(force.size_mn), "mN",
-        "the largest on any support, " + time_text(result, result.states[force.state].time_s));
+    return card(fmt::format("Force of “{}”", result.holder_name(strongest)),
+                significant(force.size_mn), "mN",
+                "the largest of all, " + time_text(result, result.states[force.state].time_s));
 }
 
 std::string findings(const SimulationResult& result) {
@@ -67,23 +66,36 @@ std::string notices(const SimulationResult& result) {
                        escape_html(convergence_sentence(result)));
 }
 
+/// Kind, nodes and motion of a row of the table.
+std::string holder_cells(const SimulationResult& result, std::size_t holder) {
+    const std::size_t num_supports = result.prepared.supports.size();
+    const auto cells = [](const std::string& kind, const std::string& nodes, double moved_mm) {
+        return fmt::format("<td>{}</td><td class='num'>{}</td><td class='num'>{}</td>", kind, nodes,
+                           moved_mm > 0 ? significant(moved_mm) : "–");
+    };
+    if (holder >= num_supports) {
+        const ObstacleSettings& obstacle = result.settings.obstacles[holder - num_supports];
+        return cells(name_of(obstacle.obstacle.shape), "–", obstacle.motion_mm.norm());
+    }
+    const SupportSet& set = result.prepared.supports[holder];
+    return cells(set.is_fix ? "fixed" : "moved", std::to_string(set.num_nodes),
+                 set.displacement_mm.norm());
+}
+
 std::string forces_table(const SimulationResult& result) {
-    if (result.prepared.supports.empty()) return "<p>Nothing is held or moved.</p>";
+    if (result.num_holders() == 0) return "<p>Nothing is held, moved or touched.</p>";
     std::string out =
-        "<div class='scroll'><table><thead><tr><th>support</th><th></th><th class='num'>nodes</th>"
+        "<div class='scroll'><table><thead><tr><th></th><th></th><th class='num'>nodes</th>"
         "<th class='num'>moved, mm</th><th class='num'>x, mN</th><th class='num'>y, mN</th><th "
         "class='num'>z, mN</th><th class='num'>size, mN</th><th>when largest</th></tr></thead>"
         "<tbody>";
-    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s) {
-        const SupportSet& set = result.prepared.supports[s];
-        const LargestForce force = largest_force(result, s);
-        const Vec3& f = result.states[force.state].support_force_mn[s];
+    for (std::size_t h = 0; h < result.num_holders(); ++h) {
+        const LargestForce force = largest_force(result, h);
+        const Vec3& f = result.states[force.state].force_mn[h];
         out += fmt::format(
-            "<tr><th>{}</th><td>{}</td><td class='num'>{}</td><td class='num'>{}</td><td "
-            "class='num'>{}</td><td class='num'>{}</td><td class='num'>{}</td><td class='num'>{}"
-            "</td><td>{}</td></tr>",
-            escape_html(set.name), set.is_fix ? "fixed" : "moved", set.num_nodes,
-            set.is_fix ? "–" : significant(set.displacement_mm.norm()), significant(f.x()),
+            "<tr><th>{}</th>{}<td class='num'>{}</td><td class='num'>{}</td><td class='num'>{}</td>"
+            "<td class='num'>{}</td><td>{}</td></tr>",
+            escape_html(result.holder_name(h)), holder_cells(result, h), significant(f.x()),
             significant(f.y()), significant(f.z()), significant(force.size_mn),
             time_text(result, result.states[force.state].time_s));
     }

@@ -62,10 +62,10 @@ std::string curves_figure(const std::string& id, const std::vector<Curve>& curve
 }
 
 /// The component that is largest over the run: 0, 1 or 2; -1 if none is above rounding.
-int main_component(const SimulationResult& result, std::size_t support, double negligible) {
+int main_component(const SimulationResult& result, std::size_t holder, double negligible) {
     Vec3 largest = Vec3::Zero();
     for (const SimulationState& state : result.states)
-        largest = largest.cwiseMax(state.support_force_mn[support].cwiseAbs());
+        largest = largest.cwiseMax(state.force_mn[holder].cwiseAbs());
     int component = 0;
     return largest.maxCoeff(&component) > negligible ? component : -1;
 }
@@ -83,23 +83,24 @@ std::string time_label(const SimulationResult& result) {
 
 std::string forces_over_time(const SimulationResult& result) {
     double largest = 0;
-    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s)
-        largest = std::max(largest, largest_force(result, s).size_mn);
+    for (std::size_t h = 0; h < result.num_holders(); ++h)
+        largest = std::max(largest, largest_force(result, h).size_mn);
     std::vector<Curve> curves;
-    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s) {
-        const int component = main_component(result, s, 1e-6 * largest);
+    for (std::size_t h = 0; h < result.num_holders(); ++h) {
+        const int component = main_component(result, h, 1e-6 * largest);
         if (component < 0) continue;
-        Curve curve{fmt::format("{}, {}", result.prepared.supports[s].name,
-                                static_cast<char>('x' + component)),
-                    times_of(result),
-                    {}};
+        Curve curve{
+            fmt::format("{}, {}", result.holder_name(h), static_cast<char>('x' + component)),
+            times_of(result),
+            {}};
         for (const SimulationState& state : result.states)
-            curve.y.push_back(state.support_force_mn[s][component]);
+            curve.y.push_back(state.force_mn[h][component]);
         curves.push_back(std::move(curve));
     }
-    return curves_figure("force-time", curves, time_label(result), "force on the body, mN",
-                         "Forces of the supports over time",
-                         "Force that each support exerts on the body: its largest component.");
+    return curves_figure(
+        "force-time", curves, time_label(result), "force on the body, mN",
+        "Forces on the body over time",
+        "Force that each support and obstacle exerts on the body: its largest component.");
 }
 
 /// Force along the motion over the distance moved, for every support that moves.
@@ -116,7 +117,7 @@ std::string forces_over_displacement(const SimulationResult& result) {
         Curve curve{set.name, {}, {}};
         for (const SimulationState& state : result.states) {
             curve.x.push_back(full * state.displacement[*dof] / set.displacement_mm[*dof % 3]);
-            curve.y.push_back(state.support_force_mn[s].dot(direction));
+            curve.y.push_back(state.force_mn[s].dot(direction));
         }
         if (std::set<double>(curve.x.begin(), curve.x.end()).size() >= fewest_states)
             curves.push_back(std::move(curve));

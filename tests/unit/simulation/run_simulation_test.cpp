@@ -36,8 +36,8 @@ TEST(RunSimulation, AUniformStretchHasOneStressAndItsForce) {
     // The force is the Cauchy stress on the deformed area.
     const double ratio = state.cells.volume_ratio[0];
     const double area = 16 * ratio / 1.1;
-    EXPECT_NEAR(state.support_force_mn[3].z(), stress[2] * area, 1e-6 * stress[2] * area);
-    EXPECT_NEAR(state.support_force_mn[0].z(), -state.support_force_mn[3].z(), 1e-6);
+    EXPECT_NEAR(state.force_mn[3].z(), stress[2] * area, 1e-6 * stress[2] * area);
+    EXPECT_NEAR(state.force_mn[0].z(), -state.force_mn[3].z(), 1e-6);
     // And the work on a path of small steps is what is stored.
     EXPECT_NEAR(volume_change(result, state).after_mm3, 32 * ratio, 1e-9);
 }
@@ -48,9 +48,8 @@ TEST(RunSimulation, WorkOfTheForcesIsStored) {
 
     double work = 0;
     for (std::size_t k = 1; k < result.states.size(); ++k)
-        work += 0.01 * 0.5 *
-                (result.states[k].support_force_mn[3].z() +
-                 result.states[k - 1].support_force_mn[3].z());
+        work +=
+            0.01 * 0.5 * (result.states[k].force_mn[3].z() + result.states[k - 1].force_mn[3].z());
     EXPECT_NEAR(result.states.back().energy_mn_mm, work, 1e-3 * work);
 }
 
@@ -63,8 +62,7 @@ TEST(RunSimulation, StressesOfRelaxationAreThoseThatTheForceCarries) {
     for (std::size_t k = 1; k < 4; ++k) {
         const CellFields& cells = result.states[k].cells;
         const double area = 16 * cells.volume_ratio[0] / 1.1;
-        EXPECT_NEAR(result.states[k].support_force_mn[3].z(), cells.stress_kpa[0][2] * area,
-                    1e-6 * area);
+        EXPECT_NEAR(result.states[k].force_mn[3].z(), cells.stress_kpa[0][2] * area, 1e-6 * area);
     }
     EXPECT_LT(result.states[3].cells.stress_kpa[0][2],
               0.6 * result.states[1].cells.stress_kpa[0][2]);
