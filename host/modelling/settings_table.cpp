@@ -31,6 +31,8 @@ std::string shown(const toml::node& value) {
             out << "a table";
         else if constexpr (toml::is_array<decltype(v)>)
             out << "a list";
+        else if constexpr (toml::is_floating_point<decltype(v)>)
+            out << fmt::format("{}", *v);  // the shortest digits that mean the number
         else
             out << toml::node_view<const toml::node>(v);
     });

@@ -11,13 +11,14 @@
 
 #include "host/report/findings.hpp"
 #include "host/report/markup.hpp"
-#include "host/report/plot.hpp"
+#include "host/simulation/picture_frame.hpp"
 #include "solver/model/surface_load.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double width = 440, tallest_body = 330, margin = 14, scale_height = 62;
+constexpr double width = PictureFrame::width, margin = PictureFrame::margin;
+constexpr double scale_height = 62;
 constexpr std::size_t most_with_lines = 6000;  ///< patches; beyond, mesh lines would be a blur
 
 /// The sequential map of surface_viewer.js (after viridis).
@@ -42,21 +43,6 @@ std::string colour_at(double part, double light) {
     }
     return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
-
-/// Axes of the picture: to the right, up, and toward the eye.
-struct View {
-    Vec3 right = Vec3::UnitX(), up = Vec3::UnitY(), eye = Vec3::UnitZ();
-
-    static View of(Formulation formulation) {
-        if (formulation != Formulation::solid) return {};
-        constexpr double turn = -0.55, tilt = 0.38;
-        return {
-            Vec3(std::cos(turn), std::sin(turn), 0),
-            Vec3(-std::sin(tilt) * std::sin(turn), std::sin(tilt) * std::cos(turn), std::cos(tilt)),
-            Vec3(std::cos(tilt) * std::sin(turn), -std::cos(tilt) * std::cos(turn),
-                 std::sin(tilt))};
-    }
-};
 
 /// A polygon of the picture by node numbers; corners and middles in the order of the rim.
 struct Patch {
@@ -120,47 +106,15 @@ std::vector<Edge> outline(const std::vector<Patch>& patches, const std::vector<V
     return edges;
 }
 
-/// Places of the picture in SVG units.
-class Frame {
-public:
-    Frame(const View& view, bool is_mirrored, const std::vector<Vec3>& rest,
-          const std::vector<Vec3>& moved)
-        : view_(view) {
-        Eigen::Vector2d low(INFINITY, INFINITY), high(-INFINITY, -INFINITY);
-        for (const auto* places : {&rest, &moved})
-            for (const Vec3& place : *places) {
-                const Eigen::Vector2d at(place.dot(view.right), place.dot(view.up));
-                low = low.cwiseMin(at);
-                high = high.cwiseMax(at);
-                if (is_mirrored) low.x() = std::min(low.x(), -at.x());
-            }
-        centre_ = (low + high) / 2;
-        const Eigen::Vector2d size = (high - low).cwiseMax(1e-9);
-        pixels_per_mm = std::min((width - 2 * margin) / size.x(), tallest_body / size.y());
-        body_height = 2 * margin + pixels_per_mm * size.y();
-    }
-    std::string point(const Vec3& place) const {
-        const double x = place.dot(view_.right) - centre_.x();
-        const double y = place.dot(view_.up) - centre_.y();
-        return fmt::format("{:.1f} {:.1f}", width / 2 + pixels_per_mm * x,
-                           body_height / 2 - pixels_per_mm * y);
-    }
-    double pixels_per_mm = 1, body_height = 1;
-
-private:
-    const View& view_;
-    Eigen::Vector2d centre_;
-};
-
 /// The patches that face the eye, the farthest first.
 std::vector<const Patch*> in_drawing_order(const std::vector<Patch>& patches,
-                                           const std::vector<Vec3>& places, const View& view,
+                                           const std::vector<Vec3>& places, const Vec3& eye,
                                            bool is_solid) {
     std::vector<std::pair<double, const Patch*>> seen;
     for (const Patch& patch : patches) {
-        if (is_solid && normal_of(patch, places).dot(view.eye) <= 0) continue;
+        if (is_solid && normal_of(patch, places).dot(eye) <= 0) continue;
         double depth = 0;
-        for (const Index node : patch.nodes) depth += places[node].dot(view.eye);
+        for (const Index node : patch.nodes) depth += places[node].dot(eye);
         seen.emplace_back(depth / static_cast<double>(patch.nodes.size()), &patch);
     }
     std::stable_sort(seen.begin(), seen.end(),
@@ -170,13 +124,43 @@ std::vector<const Patch*> in_drawing_order(const std::vector<Patch>& patches,
     return order;
 }
 
-std::string patch_path(const Patch& patch, const std::vector<Vec3>& places, const Frame& frame,
-                       const std::string& colour, bool has_lines) {
+std::string faces_svg(const std::vector<const Patch*>& order, const std::vector<Vec3>& places,
+                      const MeshPicture& picture, const PictureFrame& frame, bool is_solid) {
+    const PictureView& view = frame.view();
+    const Vec3 to_light = (view.eye + 0.6 * view.up - 0.5 * view.right).normalized();
+    const bool has_lines = order.size() <= most_with_lines;
+    std::string out;
+    for (const Patch* patch : order) {
+        double value = 0;
+        std::string path;
+        for (const Index node : patch->nodes) {
+            value += picture.value[node] / static_cast<double>(patch->nodes.size());
+            path += fmt::format("{}{}", path.empty() ? 'M' : 'L', frame.point(places[node]));
+        }
+        const double light =
+            is_solid ? 0.72 + 0.33 * std::max(0.0, normal_of(*patch, places).dot(to_light)) : 1;
+        const std::string colour =
+            colour_at((value - picture.low) / (picture.high - picture.low), light);
+        out += fmt::format("<path d='{}Z' fill='{}'{}/>", path, colour,
+                           has_lines ? "" : fmt::format(" stroke='{}'", colour));
+    }
+    return out;
+}
+
+std::string lines_path(const std::vector<Edge>& edges, const std::vector<Vec3>& places,
+                       const PictureFrame& frame) {
     std::string path;
-    for (const Index node : patch.nodes)
-        path += fmt::format("{}{}", path.empty() ? 'M' : 'L', frame.point(places[node]));
-    return fmt::format("<path d='{}Z' fill='{}'{}/>", path, colour,
-                       has_lines ? "" : fmt::format(" stroke='{}'", colour));
+    for (const auto& [a, b] : edges)
+        path += fmt::format("M{}L{}", frame.point(places[a]), frame.point(places[b]));
+    return path;
+}
+
+std::string walls_svg(const std::string& path, const PictureFrame& frame, const std::string& id) {
+    if (path.empty()) return "";
+    return fmt::format(
+        "<clipPath id='{0}-clip'><rect width='{1}' height='{2}'/></clipPath><path class='wall' "
+        "clip-path='url(#{0}-clip)' d='{3}'/>",
+        id, width, frame.height(), path);
 }
 
 std::string colour_scale(const MeshPicture& picture, const std::string& id, double top) {
@@ -244,48 +228,38 @@ double enlargement(const SolidMesh& mesh, double largest_mm) {
 
 std::string mesh_picture_svg(const SolidMesh& mesh, const Eigen::VectorXd& u, double factor,
                              const MeshPicture& picture, const std::string& id) {
-    const bool is_solid = mesh.formulation == Formulation::solid;
-    const bool is_mirrored = mesh.formulation == Formulation::axisymmetric;
-    const View view = View::of(mesh.formulation);
     std::vector<Vec3> rest = mesh.nodes, moved = mesh.nodes;
     for (std::size_t n = 0; n < moved.size(); ++n)
         moved[n] += factor * u.segment<3>(3 * static_cast<Eigen::Index>(n));
+    const PictureFrame frame(mesh.formulation, rest, moved, picture.obstacles);
     const std::vector<Patch> patches = patches_of(mesh);
-    const Frame frame(view, is_mirrored, rest, moved);
-    const auto order = in_drawing_order(patches, moved, view, is_solid);
+    const bool is_solid = mesh.formulation == Formulation::solid;
+    const auto order = in_drawing_order(patches, moved, frame.view().eye, is_solid);
+    const std::vector<Edge> edges = outline(patches, rest, frame.view().eye);
     const bool has_lines = order.size() <= most_with_lines;
-    const std::vector<Edge> edges = outline(patches, rest, view.eye);
 
-    const Vec3 to_light = (view.eye + 0.6 * view.up - 0.5 * view.right).normalized();
-    std::string faces, lines;
-    const auto draw_half = [&] {
-        for (const Patch* patch : order) {
-            double value = 0;
-            for (const Index node : patch->nodes) value += picture.value[node];
-            value /= static_cast<double>(patch->nodes.size());
-            const double light =
-                is_solid ? 0.72 + 0.33 * std::max(0.0, normal_of(*patch, moved).dot(to_light)) : 1;
-            const double part = (value - picture.low) / (picture.high - picture.low);
-            faces += patch_path(*patch, moved, frame, colour_at(part, light), has_lines);
-        }
-        for (const auto& [a, b] : edges) {
-            if (is_mirrored && rest[a].x() == 0 && rest[b].x() == 0) continue;  // the axis
-            lines += fmt::format("M{}L{}", frame.point(rest[a]), frame.point(rest[b]));
-        }
-    };
-    draw_half();
-    if (is_mirrored) {
+    std::string faces = faces_svg(order, moved, picture, frame, is_solid);
+    std::string lines = lines_path(edges, rest, frame);
+    std::string walls = frame.outlines(picture.obstacles, 1);
+    if (mesh.formulation == Formulation::axisymmetric) {
         for (auto* places : {&rest, &moved})
             for (Vec3& place : *places) place.x() = -place.x();
-        draw_half();
+        const auto is_on_axis = [&](const Edge& edge) {
+            return rest[edge.first].x() == 0 && rest[edge.second].x() == 0;
+        };
+        std::vector<Edge> sides = edges;
+        std::erase_if(sides, is_on_axis);
+        faces += faces_svg(order, moved, picture, frame, is_solid);
+        lines = lines_path(sides, mesh.nodes, frame) + lines_path(sides, rest, frame);
+        walls += frame.outlines(picture.obstacles, -1);
     }
     return fmt::format(
         "<svg class='plot body' viewBox='0 0 {} {}' role='img' aria-label='{}'><g class='{}'>{}</g>"
-        "<path class='rest' d='{}'/>{}{}</svg>",
-        width, frame.body_height + scale_height, escape_html("Deformed body: " + picture.quantity),
-        has_lines ? "faces lined" : "faces", faces, lines,
-        colour_scale(picture, id, frame.body_height),
-        scale_bar(frame.pixels_per_mm, frame.body_height));
+        "<path class='rest' d='{}'/>{}{}{}</svg>",
+        width, frame.height() + scale_height, escape_html("Deformed body: " + picture.quantity),
+        has_lines ? "faces lined" : "faces", faces, lines, walls_svg(walls, frame, id),
+        colour_scale(picture, id, frame.height()),
+        scale_bar(frame.pixels_per_mm(), frame.height()));
 }
 
 }  // namespace palpate

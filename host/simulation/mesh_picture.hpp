@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "solver/model/solid_mesh.hpp"
+#include "solver/model/contact.hpp"
 
 namespace palpate {
 
@@ -15,6 +15,8 @@ struct MeshPicture {
     std::string quantity;       ///< "displacement, mm"
     std::vector<double> value;  ///< [num_nodes]
     double low = 0, high = 1;   ///< ends of the colour scale
+    /// Drawn as outlines, where they are now; in space only spheres.
+    std::vector<Obstacle> obstacles = {};
 };
 
 /// The means of the elements round each node, [num_nodes].

@@ -17,12 +17,10 @@ double time_of(const PreparedSimulation& prepared, std::size_t step, double load
     return prepared.is_static ? time / prepared.time_s.back() : time;
 }
 
-/// Sums; a component that is rounding beside the parts it is the sum of is 0. Radial forces about
-/// an axis cancel.
+/// Sums; a component that is rounding beside the parts it is the sum of is 0.
 std::vector<Vec3> support_forces(const PreparedSimulation& prepared,
                                  const Eigen::VectorXd& reaction) {
     constexpr double rounding = 1e-12;
-    const bool has_axis = prepared.model.mesh.formulation == Formulation::axisymmetric;
     std::vector<Vec3> forces;
     for (const SupportSet& set : prepared.supports) {
         Vec3 sum = Vec3::Zero();
@@ -32,7 +30,7 @@ std::vector<Vec3> support_forces(const PreparedSimulation& prepared,
             size += std::abs(reaction[dof]);
         }
         for (int c = 0; c < 3; ++c)
-            if (std::abs(sum[c]) <= rounding * size || (has_axis && c == 0)) sum[c] = 0;
+            if (std::abs(sum[c]) <= rounding * size) sum[c] = 0;
         forces.push_back(sum);
     }
     return forces;
@@ -66,8 +64,21 @@ SimulationState state_of(const PreparedSimulation& prepared, const SolidAssembly
     state.force_mn = support_forces(prepared, found.reaction);
     state.force_mn.insert(state.force_mn.end(), found.contact.force.begin(),
                           found.contact.force.end());
+    if (prepared.model.mesh.formulation == Formulation::axisymmetric)
+        for (Vec3& force : state.force_mn) force.x() = 0;  // radial forces cancel
     state.depth_mm = found.contact.depth_mm;
     return state;
+}
+
+/// Where obstacles are when the part `load` of step `step` is reached.
+std::vector<Vec3> motion_of(const std::vector<LoadTime>& times, std::size_t step, double load) {
+    std::vector<Vec3> motion = times[step].loads.obstacle_motion;
+    for (std::size_t k = 0; k < motion.size(); ++k) {
+        const Vec3 before =
+            step == 0 ? Vec3(Vec3::Zero()) : times[step - 1].loads.obstacle_motion[k];
+        motion[k] = before + load * (motion[k] - before);
+    }
+    return motion;
 }
 
 SimulationState rest_state(const PreparedSimulation& prepared, const std::vector<double>& volume) {
@@ -76,7 +87,9 @@ SimulationState rest_state(const PreparedSimulation& prepared, const std::vector
     rest.reaction.setZero(prepared.model.num_dofs());
     rest.contact.force.assign(prepared.model.contacts.size(), Vec3::Zero());
     rest.contact.depth_mm.assign(prepared.model.contacts.size(), 0.0);
-    return state_of(prepared, SolidAssembly(prepared.model), rest, 0, volume);
+    SimulationState state = state_of(prepared, SolidAssembly(prepared.model), rest, 0, volume);
+    state.obstacle_motion_mm.assign(prepared.model.contacts.size(), Vec3::Zero());
+    return state;
 }
 
 }  // namespace
@@ -108,9 +121,10 @@ SimulationResult run_simulation(const SimulationSettings& settings, const Progre
             const double reached_s = time_of(prepared, step, found.load);
             result.steps.push_back({time_of(prepared, step, 1), reached_s, found.relative_residual,
                                     found.converged, found.message, found.records});
-            if (found.load > 0)
-                result.states.push_back(
-                    state_of(prepared, solid, found, reached_s, result.element_volume_mm3));
+            if (found.load == 0) return;
+            result.states.push_back(
+                state_of(prepared, solid, found, reached_s, result.element_volume_mm3));
+            result.states.back().obstacle_motion_mm = motion_of(times, step, found.load);
         });
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -16,9 +16,10 @@ struct SimulationState {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
     Eigen::VectorXd reaction;      ///< [3 num_nodes] mN
     CellFields cells;
-    double energy_mn_mm = 0;       ///< stored by the laws alone
-    std::vector<Vec3> force_mn;    ///< [holders] resultants on the body
-    std::vector<double> depth_mm;  ///< [obstacles] how deep the body is in them
+    double energy_mn_mm = 0;               ///< stored by the laws alone
+    std::vector<Vec3> force_mn;            ///< [holders] resultants on the body
+    std::vector<Vec3> obstacle_motion_mm;  ///< [obstacles] from where the model has them
+    std::vector<double> depth_mm;          ///< [obstacles] how deep the body is in them
 };
 
 /// How one step was solved.

@@ -103,24 +103,44 @@ std::string forces_over_time(const SimulationResult& result) {
         "Force that each support and obstacle exerts on the body: its largest component.");
 }
 
-/// Force along the motion over the distance moved, for every support that moves.
+/// Where a support or obstacle that moves by `full` is in each state, mm along it; empty if it
+/// holds nothing there.
+std::vector<double> distances_moved(const SimulationResult& result, std::size_t holder,
+                                    const Vec3& full) {
+    std::vector<double> distances;
+    const std::size_t num_supports = result.prepared.supports.size();
+    if (holder >= num_supports) {
+        for (const SimulationState& state : result.states)
+            distances.push_back(
+                state.obstacle_motion_mm[holder - num_supports].dot(full.normalized()));
+        return distances;
+    }
+    const std::vector<Index>& dofs = result.prepared.supports[holder].dofs;
+    const auto dof =
+        std::find_if(dofs.begin(), dofs.end(), [&](Index d) { return full[d % 3] != 0; });
+    if (dof == dofs.end()) return distances;
+    for (const SimulationState& state : result.states)
+        distances.push_back(full.norm() * state.displacement[*dof] / full[*dof % 3]);
+    return distances;
+}
+
+Vec3 full_motion(const SimulationResult& result, std::size_t holder) {
+    const std::size_t num_supports = result.prepared.supports.size();
+    return holder < num_supports ? result.prepared.supports[holder].displacement_mm
+                                 : result.settings.obstacles[holder - num_supports].motion_mm;
+}
+
+/// Force along the motion over the distance moved, for all that moves.
 std::string forces_over_displacement(const SimulationResult& result) {
     std::vector<Curve> curves;
-    for (std::size_t s = 0; s < result.prepared.supports.size(); ++s) {
-        const SupportSet& set = result.prepared.supports[s];
-        const double full = set.displacement_mm.norm();
-        if (full == 0 || set.dofs.empty()) continue;
-        const Vec3 direction = set.displacement_mm / full;
-        const auto moves = [&](Index dof) { return set.displacement_mm[dof % 3] != 0; };
-        const auto dof = std::find_if(set.dofs.begin(), set.dofs.end(), moves);
-        if (dof == set.dofs.end()) continue;
-        Curve curve{set.name, {}, {}};
-        for (const SimulationState& state : result.states) {
-            curve.x.push_back(full * state.displacement[*dof] / set.displacement_mm[*dof % 3]);
-            curve.y.push_back(state.force_mn[s].dot(direction));
-        }
-        if (std::set<double>(curve.x.begin(), curve.x.end()).size() >= fewest_states)
-            curves.push_back(std::move(curve));
+    for (std::size_t h = 0; h < result.num_holders(); ++h) {
+        const Vec3 full = full_motion(result, h);
+        if (full.norm() == 0) continue;
+        Curve curve{result.holder_name(h), distances_moved(result, h, full), {}};
+        if (std::set<double>(curve.x.begin(), curve.x.end()).size() < fewest_states) continue;
+        for (const SimulationState& state : result.states)
+            curve.y.push_back(state.force_mn[h].dot(full.normalized()));
+        curves.push_back(std::move(curve));
     }
     return curves_figure("force-displacement", curves, "moved, mm", "force along the motion, mN",
                          "Force over displacement",
@@ -136,17 +156,12 @@ std::string displacement_over_time(const SimulationResult& result) {
                          "Displacement of the point that moves farthest.");
 }
 
-bool has_moving_support(const SimulationResult& result) {
-    return std::any_of(result.prepared.supports.begin(), result.prepared.supports.end(),
-                       [](const SupportSet& set) { return set.displacement_mm.norm() > 0; });
-}
-
 }  // namespace
 
 std::string force_figures(const SimulationResult& result) {
     if (result.states.size() < fewest_states) return "";
-    return forces_over_time(result) + (has_moving_support(result) ? forces_over_displacement(result)
-                                                                  : displacement_over_time(result));
+    const std::string moved = forces_over_displacement(result);
+    return forces_over_time(result) + (moved.empty() ? displacement_over_time(result) : moved);
 }
 
 std::string newton_figure(const SimulationResult& result) {
@@ -195,6 +210,11 @@ std::string body_figures(const SimulationResult& result) {
     for (Index n = 0; n < mesh.num_nodes(); ++n)
         displacement.value.push_back(state.displacement.segment<3>(3 * n).norm());
     MeshPicture stress{"von Mises stress, kPa", at_nodes(mesh, state.cells.von_mises_kpa), 0, 1};
+    for (std::size_t k = 0; k < state.obstacle_motion_mm.size(); ++k) {
+        displacement.obstacles.push_back(result.settings.obstacles[k].obstacle);
+        displacement.obstacles.back().place += state.obstacle_motion_mm[k];
+    }
+    stress.obstacles = displacement.obstacles;
     const double factor = enlargement(mesh, largest_displacement(state).length_mm);
     const std::string when = time_text(result, state.time_s);
     const std::string drawn =
@@ -208,8 +228,9 @@ std::string body_figures(const SimulationResult& result) {
         out += figure("",
                       mesh_picture_svg(mesh, state.displacement, factor, *picture,
                                        is_first ? "scale-displacement" : "scale-stress"),
-                      fmt::format("{} {}, {}. Dashed: the outline at rest.",
-                                  is_first ? "Displacement" : "Von Mises stress", when, drawn));
+                      fmt::format("{} {}, {}. Dashed: the outline at rest.{}",
+                                  is_first ? "Displacement" : "Von Mises stress", when, drawn,
+                                  picture->obstacles.empty() ? "" : " Blue: obstacles."));
     }
     return out;
 }
