@@ -45,6 +45,7 @@ public:
 
     bool is_empty() const;
     bool has_friction() const;
+    Index num_points() const;
     /// Throws Error(invalid_argument) for sizes that do not fit.
     void begin(const ContactStart& start);
     /// The obstacles' motion now, [contacts] mm or empty. Throws as `begin` does.
@@ -58,6 +59,9 @@ public:
     void add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
     /// Adds what the limits' following the pressure adds to dF/du, or the transpose of that.
     void add_limit_rates(const Eigen::VectorXd& u, bool is_transposed, BlockMatrix& matrix) const;
+    /// What all contacts can add to the stiffness of each node at most, as if all touched: mN/mm
+    /// [num_nodes].
+    Eigen::VectorXd largest_stiffness() const;
     /// With limits as the pressure at u has them.
     ContactState state(const Eigen::VectorXd& u) const;
 

@@ -8,6 +8,7 @@
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
+#include "solver/model/block_product.hpp"
 
 namespace palpate {
 
@@ -75,15 +76,7 @@ void TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
 }
 
 Eigen::MatrixXd TangentSolve::times(const Eigen::MatrixXd& x) const {
-    using Block = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-    Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.rows(), x.cols());
-    const Adjacency& graph = matrix_.graph;
-    for (Eigen::Index c = 0; c < x.cols(); ++c)
-        for (Index n = 0; n < matrix_.num_rows(); ++n)
-            for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
-                y.col(c).segment<3>(3 * n) +=
-                    Block(matrix_.block(k)) * x.col(c).segment<3>(3 * graph.items[k]);
-    return y;
+    return palpate::times(matrix_, x);
 }
 
 /// Iterative refinement with a factor that may be another tangent's, or one with the limits of
