@@ -202,6 +202,18 @@ void read_newton(const SettingsTable& table, SimulationSettings& settings) {
         table.refuse("load_steps", "with a [history] its rows are the steps; remove it");
 }
 
+void read_dynamics(const SettingsTable& table, SimulationSettings& settings) {
+    table.allow_keys({"density_kg_per_m3", "damping_per_s", "safety"});
+    if (!settings.history) table.fail("a motion needs a [history] of its loads; add one");
+    ExplicitOptions options;
+    options.density_kg_per_m3 =
+        table.number("density_kg_per_m3", positive).value_or(options.density_kg_per_m3);
+    options.damping_per_s =
+        table.number("damping_per_s", not_negative).value_or(options.damping_per_s);
+    options.safety = table.number("safety", {0, 0.999, true}).value_or(options.safety);
+    settings.dynamics = options;
+}
+
 std::string read_title(const SettingsTable& document) {
     const std::string title = document.text("title").value_or("");
     if (title.size() > longest_title)
@@ -214,7 +226,8 @@ std::string read_title(const SettingsTable& document) {
 SimulationSettings parse_simulation(const std::string& toml, const std::string& source_name,
                                     const fs::path& folder) {
     const SettingsTable document = SettingsTable::parse(toml, source_name);
-    std::vector<std::string_view> keys{"title", "mesh", "material", "history", "newton"};
+    std::vector<std::string_view> keys{"title",   "mesh",   "material",
+                                       "history", "newton", "dynamics"};
     keys.insert(keys.end(), load_keys.begin(), load_keys.end());
     document.allow_keys(keys);
     SimulationSettings settings;
@@ -227,6 +240,11 @@ SimulationSettings parse_simulation(const std::string& toml, const std::string& 
         settings.history = read_history(*history, folder);
     read_loads(document, settings);
     if (const auto newton = document.table("newton")) read_newton(*newton, settings);
+    if (const auto dynamics = document.table("dynamics")) {
+        if (document.has("newton"))
+            document.refuse("newton", "a motion has no Newton steps; remove it");
+        read_dynamics(*dynamics, settings);
+    }
     return settings;
 }
 

@@ -92,6 +92,56 @@ SimulationState rest_state(const PreparedSimulation& prepared, const std::vector
     return state;
 }
 
+void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& times,
+                        const ProgressSink& progress) {
+    const PreparedSimulation& prepared = result.prepared;
+    const ProgressSink inner_progress = [&](const Progress& inner) {
+        const std::size_t step = result.steps.size();
+        report_progress(progress, "solving",
+                        (static_cast<double>(step) + std::max(inner.fraction, 0.0)) /
+                            static_cast<double>(times.size()),
+                        fmt::format("time {} of {}, {}", step + 1, times.size(), inner.message));
+    };
+    solve_history(
+        prepared.model, times, result.settings.newton, inner_progress,
+        [&](const SolidAssembly& solid, const Equilibrium& found) {
+            const std::size_t step = result.steps.size();
+            const double reached_s = time_of(prepared, step, found.load);
+            result.steps.push_back({time_of(prepared, step, 1), reached_s, found.relative_residual,
+                                    found.converged, found.message, found.records});
+            if (found.load == 0) return;
+            result.states.push_back(
+                state_of(prepared, solid, found, reached_s, result.element_volume_mm3));
+            result.states.back().obstacle_motion_mm = motion_of(times, step, found.load);
+        });
+}
+
+void solve_motion(SimulationResult& result, const std::vector<LoadTime>& times,
+                  const ProgressSink& progress) {
+    const ExplicitHistory history = solve_explicit(
+        result.prepared.model, times, *result.settings.dynamics, progress,
+        [&](const SolidAssembly& solid, const DynamicState& found) {
+            Equilibrium moment;
+            moment.displacement = found.displacement;
+            moment.contact = found.contact;
+            moment.reaction = found.reaction;
+            result.states.push_back(
+                state_of(result.prepared, solid, moment, found.time_s, result.element_volume_mm3));
+            result.states.back().kinetic_energy_mn_mm = found.kinetic_energy;
+            result.states.back().obstacle_motion_mm = motion_of(times, result.steps.size(), 1);
+            result.steps.push_back({found.time_s, found.time_s, 0, true, "reached", {}});
+        });
+    result.num_explicit_steps = history.num_steps;
+    result.longest_explicit_step_s = history.longest_step_s;
+    if (history.is_complete) return;
+    result.steps.push_back({times[result.steps.size()].time_s,
+                            result.states.back().time_s,
+                            0,
+                            false,
+                            history.message,
+                            {}});
+}
+
 }  // namespace
 
 SimulationResult run_simulation(const SimulationSettings& settings, const ProgressSink& progress) {
@@ -107,25 +157,10 @@ SimulationResult run_simulation(const SimulationSettings& settings, const Progre
     for (std::size_t k = 0; k < count; ++k)
         times.push_back({prepared.time_s[k], prepared.loads_at(settings, k)});
     result.states.push_back(rest_state(prepared, result.element_volume_mm3));
-    const ProgressSink inner_progress = [&](const Progress& inner) {
-        const std::size_t step = result.steps.size();
-        report_progress(progress, "solving",
-                        (static_cast<double>(step) + std::max(inner.fraction, 0.0)) /
-                            static_cast<double>(count),
-                        fmt::format("time {} of {}, {}", step + 1, count, inner.message));
-    };
-    solve_history(
-        prepared.model, times, settings.newton, inner_progress,
-        [&](const SolidAssembly& solid, const Equilibrium& found) {
-            const std::size_t step = result.steps.size();
-            const double reached_s = time_of(prepared, step, found.load);
-            result.steps.push_back({time_of(prepared, step, 1), reached_s, found.relative_residual,
-                                    found.converged, found.message, found.records});
-            if (found.load == 0) return;
-            result.states.push_back(
-                state_of(prepared, solid, found, reached_s, result.element_volume_mm3));
-            result.states.back().obstacle_motion_mm = motion_of(times, step, found.load);
-        });
+    if (settings.dynamics)
+        solve_motion(result, times, progress);
+    else
+        solve_quasi_static(result, times, progress);
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;

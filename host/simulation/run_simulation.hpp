@@ -17,6 +17,7 @@ struct SimulationState {
     Eigen::VectorXd reaction;      ///< [3 num_nodes] mN
     CellFields cells;
     double energy_mn_mm = 0;               ///< stored by the laws alone
+    double kinetic_energy_mn_mm = 0;       ///< of a motion
     std::vector<Vec3> force_mn;            ///< [holders] resultants on the body
     std::vector<Vec3> obstacle_motion_mm;  ///< [obstacles] from where the model has them
     std::vector<double> depth_mm;          ///< [obstacles] how deep the body is in them
@@ -38,7 +39,8 @@ struct SimulationResult {
     std::vector<double> element_volume_mm3;
     std::vector<SimulationState> states;  ///< the first is the body at rest
     std::vector<SimulationStep> steps;    ///< the last may not have converged
-    double seconds = 0;                   ///< of the solve
+    double num_explicit_steps = 0, longest_explicit_step_s = 0;  ///< of a motion
+    double seconds = 0;                                          ///< of the solve
 
     bool converged() const { return steps.back().converged; }
     /// What exerts forces on the body: first the supports, then the obstacles.
@@ -53,8 +55,9 @@ struct SimulationResult {
     const SolidMesh& mesh() const { return prepared.model.mesh; }
 };
 
-/// Solves for all times. Not converging is reported in the last step; the last state is what was
-/// reached. Throws Error as `prepare_simulation` and `solve_history` do.
+/// Solves for all times, as a motion if the settings ask for it. Not converging is reported in the
+/// last step; the last state is what was reached. Throws Error as `prepare_simulation` and
+/// `solve_history` do.
 SimulationResult run_simulation(const SimulationSettings& settings,
                                 const ProgressSink& progress = {});
 

@@ -61,6 +61,11 @@ int num_newton_steps(const SimulationResult& result) {
 
 std::string convergence_sentence(const SimulationResult& result) {
     const SimulationStep& last = result.steps.back();
+    if (last.converged && result.settings.dynamics)
+        return fmt::format(
+            "The motion was followed to its end: {:.0f} steps of at most {} s, {} s.",
+            result.num_explicit_steps, significant(result.longest_explicit_step_s),
+            significant(result.seconds));
     if (last.converged)
         return fmt::format("{} in equilibrium: {} {}, {} Newton steps, {} s.",
                            result.steps.size() == 1 ? "The body is" : "All states are",

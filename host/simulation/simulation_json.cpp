@@ -100,6 +100,16 @@ Json history_json(const SimulationResult& result) {
     return {{"columns", table.columns}, {"time_s", table.time_s}, {"factors", table.factors}};
 }
 
+Json dynamics_json(const SimulationResult& result) {
+    if (!result.settings.dynamics) return nullptr;
+    const ExplicitOptions& options = *result.settings.dynamics;
+    return {{"density_kg_per_m3", options.density_kg_per_m3},
+            {"damping_per_s", options.damping_per_s},
+            {"safety", options.safety},
+            {"steps", result.num_explicit_steps},
+            {"longest_step_s", number(result.longest_explicit_step_s)}};
+}
+
 Json settings_json(const SimulationResult& result) {
     Json materials = Json::array();
     for (std::size_t k = 0; k < result.settings.materials.size(); ++k)
@@ -112,6 +122,7 @@ Json settings_json(const SimulationResult& result) {
             {"forces", forces_json(result)},
             {"obstacles", obstacles_json(result)},
             {"history", history_json(result)},
+            {"dynamics", dynamics_json(result)},
             {"newton",
              {{"relative_tolerance", newton.relative_tolerance},
               {"max_steps", newton.max_newton_steps},
@@ -144,6 +155,7 @@ Json state_json(const SimulationResult& result, std::size_t k) {
             {"file", state_file_name(k)},
             {"largest_displacement_mm", number(largest_displacement(state).length_mm)},
             {"stored_energy_mn_mm", number(state.energy_mn_mm)},
+            {"kinetic_energy_mn_mm", number(state.kinetic_energy_mn_mm)},
             {"volume_mm3", number(volume.after_mm3)},
             {"force_mn", forces},
             {"depth_in_obstacle_mm", depths}};
@@ -155,7 +167,9 @@ std::string simulation_json(const SimulationResult& result) {
     Json json{{"program", "palpate"},
               {"version", version_text()},
               {"title", result.settings.title},
-              {"kind", result.prepared.is_static ? "static" : "history"},
+              {"kind", result.settings.dynamics    ? "motion"
+                       : result.prepared.is_static ? "static"
+                                                   : "history"},
               {"time_means", result.prepared.is_static ? "part of the load" : "seconds"},
               {"converged", result.converged()},
               {"message", convergence_sentence(result)},

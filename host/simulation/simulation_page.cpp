@@ -161,8 +161,9 @@ std::string loads_text(const SimulationResult& result) {
     if (result.prepared.is_static)
         return fmt::format("static, in {} {}", result.settings.load_steps,
                            result.settings.load_steps == 1 ? "part" : "parts");
-    return fmt::format("{} times up to {} s, quasi-static", result.prepared.time_s.size(),
-                       significant(result.prepared.time_s.back()));
+    return fmt::format("{} times up to {} s, {}", result.prepared.time_s.size(),
+                       significant(result.prepared.time_s.back()),
+                       result.settings.dynamics ? "in motion" : "quasi-static");
 }
 
 std::string details(const SimulationResult& result) {
@@ -183,6 +184,12 @@ std::string details(const SimulationResult& result) {
                       : "its mean over each element");
     add("Loads", loads_text(result));
     add("Result", convergence_sentence(result));
+    if (const auto& motion = result.settings.dynamics) {
+        add("Inertia", fmt::format("explicit central differences, {} kg/m³, damping {} 1/s",
+                                   significant(motion->density_kg_per_m3),
+                                   significant(motion->damping_per_s)));
+        return out + "</dl>";
+    }
     add("Tolerance",
         fmt::format("relative residual {:g}", result.settings.newton.relative_tolerance));
     return out + "</dl>";
@@ -233,7 +240,7 @@ std::string simulation_page(const SimulationResult& result) {
                           {"forces", forces_table(result)},
                           {"tissues", tissues_table(result)},
                           {"when", time_text(result, state.time_s)},
-                          {"newton", newton_figure(result)},
+                          {"newton", newton_figure(result) + energy_figure(result)},
                           {"details", details(result)}});
 }
 

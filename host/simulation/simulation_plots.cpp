@@ -164,6 +164,18 @@ std::string force_figures(const SimulationResult& result) {
     return forces_over_time(result) + (moved.empty() ? displacement_over_time(result) : moved);
 }
 
+std::string energy_figure(const SimulationResult& result) {
+    if (!result.settings.dynamics || result.states.size() < fewest_states) return "";
+    Curve stored{"stored in the tissue", times_of(result), {}},
+        kinetic{"of the motion", stored.x, {}};
+    for (const SimulationState& state : result.states) {
+        stored.y.push_back(state.energy_mn_mm);
+        kinetic.y.push_back(state.kinetic_energy_mn_mm);
+    }
+    return curves_figure("energy", {stored, kinetic}, time_label(result), "energy, mN mm",
+                         "Energies over time", "Energy stored and energy of the motion.");
+}
+
 std::string newton_figure(const SimulationResult& result) {
     const double tolerance = result.settings.newton.relative_tolerance;
     double low = tolerance, high = tolerance;

@@ -10,7 +10,7 @@
 
 #include "host/modelling/settings_table.hpp"
 #include "host/simulation/load_table.hpp"
-#include "solver/equilibrium/newton.hpp"
+#include "solver/equilibrium/explicit_steps.hpp"
 #include "solver/model/solid_model.hpp"
 
 namespace palpate {
@@ -105,6 +105,7 @@ struct SimulationSettings {
     std::optional<LoadTable> history;  ///< empty: one static load
     int load_steps = 1;                ///< equal parts of the static load
     EquilibriumOptions newton;
+    std::optional<ExplicitOptions> dynamics;  ///< empty: inertia is left out
 };
 
 /// Reads a model file in TOML. Throws Error(input_unreadable) (missing or not TOML, with line) and
