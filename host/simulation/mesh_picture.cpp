@@ -11,8 +11,6 @@
 
 #include "host/report/findings.hpp"
 #include "host/report/markup.hpp"
-#include "host/simulation/picture_frame.hpp"
-#include "solver/model/surface_load.hpp"
 
 namespace palpate {
 namespace {
@@ -44,63 +42,37 @@ std::string colour_at(double part, double light) {
     return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
 
-/// A polygon of the picture by node numbers; corners and middles in the order of the rim.
-struct Patch {
-    std::vector<Index> nodes;
-    int num_corners = 3;
-};
-
-std::vector<Index> rim_of(std::span<const Index> nodes, int num_corners) {
-    std::vector<Index> rim;
-    const bool has_middles = static_cast<int>(nodes.size()) == 2 * num_corners;
-    for (int a = 0; a < num_corners; ++a) {
-        rim.push_back(nodes[a]);
-        if (has_middles) rim.push_back(nodes[num_corners + a]);
-    }
-    return rim;
-}
-
-std::vector<Patch> patches_of(const SolidMesh& mesh) {
-    std::vector<Patch> patches;
-    if (mesh.formulation == Formulation::solid) {
-        for (const Face& face : boundary_faces(mesh)) patches.push_back({rim_of(face, 3), 3});
-        return patches;
-    }
-    const int corners = mesh.table().num_corners;
-    for (Index e = 0; e < mesh.num_elements(); ++e)
-        patches.push_back({rim_of(mesh.nodes_of(e), corners), corners});
-    return patches;
-}
+using Patch = std::vector<Index>;
 
 Vec3 normal_of(const Patch& patch, const std::vector<Vec3>& places) {
     Vec3 normal = Vec3::Zero();
-    const Vec3& first = places[patch.nodes[0]];
-    for (std::size_t a = 1; a + 1 < patch.nodes.size(); ++a)
-        normal += (places[patch.nodes[a]] - first).cross(places[patch.nodes[a + 1]] - first);
+    const Vec3& first = places[patch[0]];
+    for (std::size_t a = 1; a + 1 < patch.size(); ++a)
+        normal += (places[patch[a]] - first).cross(places[patch[a + 1]] - first);
     return normal.normalized();
 }
 
 using Edge = std::pair<Index, Index>;
 
-/// Edges of the outline: of one patch only, on a sharp ridge, or between what is seen and what is
-/// not.
+/// Edges of the outline: of one patch only, and of a closed surface those on a sharp ridge or
+/// between what is seen and what is not.
 std::vector<Edge> outline(const std::vector<Patch>& patches, const std::vector<Vec3>& places,
-                          const Vec3& eye) {
+                          const Vec3& eye, bool is_closed) {
     constexpr double sharp_cosine = 0.7;
     std::map<Edge, std::vector<Vec3>> normals;
     for (const Patch& patch : patches) {
         const Vec3 normal = normal_of(patch, places);
-        for (std::size_t a = 0; a < patch.nodes.size(); ++a) {
-            const auto edge =
-                std::minmax(patch.nodes[a], patch.nodes[(a + 1) % patch.nodes.size()]);
+        for (std::size_t a = 0; a < patch.size(); ++a) {
+            const auto edge = std::minmax(patch[a], patch[(a + 1) % patch.size()]);
             normals[edge].push_back(normal);
         }
     }
     std::vector<Edge> edges;
     for (const auto& [edge, sides] : normals) {
         const bool is_rim = sides.size() == 1;
-        const bool is_ridge = !is_rim && sides[0].dot(sides[1]) < sharp_cosine;
-        const bool is_silhouette = !is_rim && (sides[0].dot(eye) > 0) != (sides[1].dot(eye) > 0);
+        const bool is_ridge = is_closed && !is_rim && sides[0].dot(sides[1]) < sharp_cosine;
+        const bool is_silhouette =
+            is_closed && !is_rim && (sides[0].dot(eye) > 0) != (sides[1].dot(eye) > 0);
         if (is_rim || is_ridge || is_silhouette) edges.push_back(edge);
     }
     return edges;
@@ -109,13 +81,13 @@ std::vector<Edge> outline(const std::vector<Patch>& patches, const std::vector<V
 /// The patches that face the eye, the farthest first.
 std::vector<const Patch*> in_drawing_order(const std::vector<Patch>& patches,
                                            const std::vector<Vec3>& places, const Vec3& eye,
-                                           bool is_solid) {
+                                           bool is_closed) {
     std::vector<std::pair<double, const Patch*>> seen;
     for (const Patch& patch : patches) {
-        if (is_solid && normal_of(patch, places).dot(eye) <= 0) continue;
+        if (is_closed && normal_of(patch, places).dot(eye) <= 0) continue;
         double depth = 0;
-        for (const Index node : patch.nodes) depth += places[node].dot(eye);
-        seen.emplace_back(depth / static_cast<double>(patch.nodes.size()), &patch);
+        for (const Index node : patch) depth += places[node].dot(eye);
+        seen.emplace_back(depth / static_cast<double>(patch.size()), &patch);
     }
     std::stable_sort(seen.begin(), seen.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -125,22 +97,23 @@ std::vector<const Patch*> in_drawing_order(const std::vector<Patch>& patches,
 }
 
 std::string faces_svg(const std::vector<const Patch*>& order, const std::vector<Vec3>& places,
-                      const MeshPicture& picture, const PictureFrame& frame, bool is_solid) {
+                      const std::vector<double>& value, const MeshPicture& picture,
+                      const PictureFrame& frame, bool is_closed) {
     const PictureView& view = frame.view();
     const Vec3 to_light = (view.eye + 0.6 * view.up - 0.5 * view.right).normalized();
     const bool has_lines = order.size() <= most_with_lines;
     std::string out;
     for (const Patch* patch : order) {
-        double value = 0;
+        double mean = 0;
         std::string path;
-        for (const Index node : patch->nodes) {
-            value += picture.value[node] / static_cast<double>(patch->nodes.size());
+        for (const Index node : *patch) {
+            mean += value[node] / static_cast<double>(patch->size());
             path += fmt::format("{}{}", path.empty() ? 'M' : 'L', frame.point(places[node]));
         }
         const double light =
-            is_solid ? 0.72 + 0.33 * std::max(0.0, normal_of(*patch, places).dot(to_light)) : 1;
+            is_closed ? 0.72 + 0.33 * std::max(0.0, normal_of(*patch, places).dot(to_light)) : 1;
         const std::string colour =
-            colour_at((value - picture.low) / (picture.high - picture.low), light);
+            colour_at((mean - picture.low) / (picture.high - picture.low), light);
         out += fmt::format("<path d='{}Z' fill='{}'{}/>", path, colour,
                            has_lines ? "" : fmt::format(" stroke='{}'", colour));
     }
@@ -226,39 +199,43 @@ double enlargement(const SolidMesh& mesh, double largest_mm) {
     return 10 * power;
 }
 
-std::string mesh_picture_svg(const SolidMesh& mesh, const Eigen::VectorXd& u, double factor,
-                             const MeshPicture& picture, const std::string& id) {
-    std::vector<Vec3> rest = mesh.nodes, moved = mesh.nodes;
-    for (std::size_t n = 0; n < moved.size(); ++n)
-        moved[n] += factor * u.segment<3>(3 * static_cast<Eigen::Index>(n));
-    const PictureFrame frame(mesh.formulation, rest, moved, picture.obstacles);
-    const std::vector<Patch> patches = patches_of(mesh);
-    const bool is_solid = mesh.formulation == Formulation::solid;
-    const auto order = in_drawing_order(patches, moved, frame.view().eye, is_solid);
-    const std::vector<Edge> edges = outline(patches, rest, frame.view().eye);
-    const bool has_lines = order.size() <= most_with_lines;
+std::string mesh_picture_svg(const SolidMesh& mesh, const PictureShape& shape,
+                             const Eigen::VectorXd& u, double factor, const MeshPicture& picture,
+                             const std::string& id) {
+    std::vector<Vec3> nodes = mesh.nodes;
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+        nodes[n] += factor * u.segment<3>(3 * static_cast<Eigen::Index>(n));
+    std::vector<Vec3> rest, moved;
+    std::vector<double> value;
+    for (const PicturePoint& point : shape.points) {
+        rest.push_back(point.of(mesh.nodes));
+        moved.push_back(point.of(nodes));
+        value.push_back(point.of(picture.value));
+    }
+    const PictureFrame frame(shape.view, shape.is_mirrored, rest, moved, picture.obstacles);
+    const auto order = in_drawing_order(shape.patches, moved, shape.view.eye, shape.is_closed);
+    std::vector<Edge> edges = outline(shape.patches, rest, shape.view.eye, shape.is_closed);
+    if (shape.is_mirrored)  // the axis is no outline
+        std::erase_if(edges, [&](const Edge& edge) {
+            return rest[edge.first].x() == 0 && rest[edge.second].x() == 0;
+        });
 
-    std::string faces = faces_svg(order, moved, picture, frame, is_solid);
+    std::string faces = faces_svg(order, moved, value, picture, frame, shape.is_closed);
     std::string lines = lines_path(edges, rest, frame);
     std::string walls = frame.outlines(picture.obstacles, 1);
-    if (mesh.formulation == Formulation::axisymmetric) {
+    if (shape.is_mirrored) {
         for (auto* places : {&rest, &moved})
             for (Vec3& place : *places) place.x() = -place.x();
-        const auto is_on_axis = [&](const Edge& edge) {
-            return rest[edge.first].x() == 0 && rest[edge.second].x() == 0;
-        };
-        std::vector<Edge> sides = edges;
-        std::erase_if(sides, is_on_axis);
-        faces += faces_svg(order, moved, picture, frame, is_solid);
-        lines = lines_path(sides, mesh.nodes, frame) + lines_path(sides, rest, frame);
+        faces += faces_svg(order, moved, value, picture, frame, shape.is_closed);
+        lines += lines_path(edges, rest, frame);
         walls += frame.outlines(picture.obstacles, -1);
     }
     return fmt::format(
         "<svg class='plot body' viewBox='0 0 {} {}' role='img' aria-label='{}'><g class='{}'>{}</g>"
         "<path class='rest' d='{}'/>{}{}{}</svg>",
         width, frame.height() + scale_height, escape_html("Deformed body: " + picture.quantity),
-        has_lines ? "faces lined" : "faces", faces, lines, walls_svg(walls, frame, id),
-        colour_scale(picture, id, frame.height()),
+        order.size() <= most_with_lines ? "faces lined" : "faces", faces, lines,
+        walls_svg(walls, frame, id), colour_scale(picture, id, frame.height()),
         scale_bar(frame.pixels_per_mm(), frame.height()));
 }
 

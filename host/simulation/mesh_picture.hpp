@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "solver/model/contact.hpp"
+#include "host/simulation/picture_shape.hpp"
 
 namespace palpate {
 
@@ -15,7 +15,7 @@ struct MeshPicture {
     std::string quantity;       ///< "displacement, mm"
     std::vector<double> value;  ///< [num_nodes]
     double low = 0, high = 1;   ///< ends of the colour scale
-    /// Drawn as outlines, where they are now; in space only spheres.
+    /// Drawn as outlines, where they are now; seen obliquely only spheres.
     std::vector<Obstacle> obstacles = {};
 };
 
@@ -25,11 +25,11 @@ std::vector<double> at_nodes(const SolidMesh& mesh, const std::vector<double>& o
 /// Factor that makes displacements of this length visible: 1 unless they are small beside the body.
 double enlargement(const SolidMesh& mesh, double largest_mm);
 
-/// The body displaced by `factor` u [3 num_nodes] mm, coloured, as inline SVG with colour scale and
-/// scale bar; dashed the outline at rest. A solid is seen obliquely from in front and above (z up),
-/// a plane mesh from z, an axisymmetric one as the whole section. Colours of lines and texts come
-/// from the style sheet of the page.
-std::string mesh_picture_svg(const SolidMesh& mesh, const Eigen::VectorXd& u, double factor,
-                             const MeshPicture& picture, const std::string& id);
+/// A shape of the mesh displaced by `factor` u [3 num_nodes] mm, coloured, as inline SVG with
+/// colour scale and scale bar; dashed the outline at rest. Colours of lines and texts come from the
+/// style sheet of the page. `id` is the picture's own.
+std::string mesh_picture_svg(const SolidMesh& mesh, const PictureShape& shape,
+                             const Eigen::VectorXd& u, double factor, const MeshPicture& picture,
+                             const std::string& id);
 
 }  // namespace palpate

@@ -23,16 +23,16 @@ PictureView PictureView::of(Formulation formulation) {
         Vec3(std::cos(tilt) * std::sin(turn), -std::cos(tilt) * std::cos(turn), std::sin(tilt))};
 }
 
-PictureFrame::PictureFrame(Formulation formulation, const std::vector<Vec3>& rest,
+PictureFrame::PictureFrame(const PictureView& view, bool is_mirrored, const std::vector<Vec3>& rest,
                            const std::vector<Vec3>& moved, const std::vector<Obstacle>& obstacles)
-    : is_solid_(formulation == Formulation::solid), view_(PictureView::of(formulation)) {
+    : view_(view) {
     Place low(INFINITY, INFINITY), high(-INFINITY, -INFINITY);
     for (const auto* places : {&rest, &moved})
         for (const Vec3& place : *places) {
             const Place at = on_paper(place);
             low = low.cwiseMin(at);
             high = high.cwiseMax(at);
-            if (formulation == Formulation::axisymmetric) low.x() = std::min(low.x(), -at.x());
+            if (is_mirrored) low.x() = std::min(low.x(), -at.x());
         }
     make_room(obstacles, low, high);
     centre_ = (low + high) / 2;
@@ -74,12 +74,13 @@ std::string PictureFrame::circle(const Vec3& centre, double radius_mm) const {
 std::string PictureFrame::outlines(const std::vector<Obstacle>& obstacles, double side) const {
     constexpr double far_mm = 1e4;
     const auto mirrored = [&](const Vec3& v) { return Vec3(side * v.x(), v.y(), v.z()); };
+    const bool is_plane = view_.eye == Vec3::UnitZ();
     std::string path;
     for (const Obstacle& obstacle : obstacles) {
         const bool is_ball = obstacle.shape == ObstacleShape::sphere;
-        if (is_ball || (!is_solid_ && obstacle.shape == ObstacleShape::cylinder)) {
+        if (is_ball || (is_plane && obstacle.shape == ObstacleShape::cylinder)) {
             path += circle(mirrored(obstacle.place), obstacle.radius_mm);
-        } else if (!is_solid_) {
+        } else if (is_plane) {
             const Vec3 along = Vec3::UnitZ().cross(obstacle.direction).normalized() * far_mm;
             path += fmt::format("M{}L{}", point(mirrored(obstacle.place - along)),
                                 point(mirrored(obstacle.place + along)));

@@ -25,7 +25,7 @@ public:
 
     /// Round the body at rest and displaced (about an axis both halves), with some room for
     /// obstacles.
-    PictureFrame(Formulation formulation, const std::vector<Vec3>& rest,
+    PictureFrame(const PictureView& view, bool is_mirrored, const std::vector<Vec3>& rest,
                  const std::vector<Vec3>& moved, const std::vector<Obstacle>& obstacles);
 
     const PictureView& view() const { return view_; }
@@ -33,8 +33,8 @@ public:
     double height() const { return height_; }
     /// "x y" in SVG units.
     std::string point(const Vec3& place) const;
-    /// SVG path of the obstacles' outlines; in space only of spheres. `side`: -1 for the mirror
-    /// image about an axis.
+    /// SVG path of the obstacles' outlines; seen obliquely only of spheres. `side`: -1 for the
+    /// mirror image about an axis.
     std::string outlines(const std::vector<Obstacle>& obstacles, double side) const;
 
 private:
@@ -43,7 +43,6 @@ private:
     void make_room(const std::vector<Obstacle>& obstacles, Place& low, Place& high) const;
     std::string circle(const Vec3& centre, double radius_mm) const;
 
-    bool is_solid_;
     PictureView view_;
     Place centre_;
     double pixels_per_mm_ = 1, height_ = 1;

@@ -11,6 +11,7 @@
 #include "host/report/findings.hpp"
 #include "host/report/markup.hpp"
 #include "host/simulation/assets.hpp"
+#include "host/simulation/body_figures.hpp"
 #include "host/simulation/simulation_findings.hpp"
 #include "host/simulation/simulation_plots.hpp"
 #include "solver/materials/registry.hpp"
@@ -198,7 +199,7 @@ std::string details(const SimulationResult& result) {
 std::string view_note(Formulation formulation) {
     switch (formulation) {
         case Formulation::solid:
-            return "Seen obliquely from the front (against y) and above; z points up.";
+            return "The surface is seen obliquely from the front (along y) and above; z points up.";
         case Formulation::axisymmetric:
             return "The section through the axis, which runs upward in the middle; its left half "
                    "is the mirror image.";

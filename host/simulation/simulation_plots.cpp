@@ -12,7 +12,6 @@
 #include "host/report/legend.hpp"
 #include "host/report/markup.hpp"
 #include "host/report/plot.hpp"
-#include "host/simulation/mesh_picture.hpp"
 #include "host/simulation/simulation_findings.hpp"
 
 namespace palpate {
@@ -213,38 +212,6 @@ std::string newton_figure(const SimulationResult& result) {
     return figure("", plot.svg("Residual over Newton steps"),
                   "What the forces lack to equilibrium, relative to their size. Each line is one "
                   "load; it ends below the tolerance.");
-}
-
-std::string body_figures(const SimulationResult& result) {
-    const SimulationState& state = result.states[shown_state(result)];
-    const SolidMesh& mesh = result.mesh();
-    MeshPicture displacement{"displacement, mm", {}, 0, 1};
-    for (Index n = 0; n < mesh.num_nodes(); ++n)
-        displacement.value.push_back(state.displacement.segment<3>(3 * n).norm());
-    MeshPicture stress{"von Mises stress, kPa", at_nodes(mesh, state.cells.von_mises_kpa), 0, 1};
-    for (std::size_t k = 0; k < state.obstacle_motion_mm.size(); ++k) {
-        displacement.obstacles.push_back(result.settings.obstacles[k].obstacle);
-        displacement.obstacles.back().place += state.obstacle_motion_mm[k];
-    }
-    stress.obstacles = displacement.obstacles;
-    const double factor = enlargement(mesh, largest_displacement(state).length_mm);
-    const std::string when = time_text(result, state.time_s);
-    const std::string drawn =
-        factor == 1 ? "in true proportion"
-                    : fmt::format("displacements drawn {} times as large", significant(factor));
-    std::string out;
-    for (MeshPicture* picture : {&displacement, &stress}) {
-        const double high = *std::max_element(picture->value.begin(), picture->value.end());
-        if (high > 0) picture->high = high;
-        const bool is_first = picture == &displacement;
-        out += figure("",
-                      mesh_picture_svg(mesh, state.displacement, factor, *picture,
-                                       is_first ? "scale-displacement" : "scale-stress"),
-                      fmt::format("{} {}, {}. Dashed: the outline at rest.{}",
-                                  is_first ? "Displacement" : "Von Mises stress", when, drawn,
-                                  picture->obstacles.empty() ? "" : " Blue: obstacles."));
-    }
-    return out;
 }
 
 }  // namespace palpate

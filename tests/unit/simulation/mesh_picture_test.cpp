@@ -24,19 +24,51 @@ SolidMesh mesh_of(Formulation formulation) {
     return grid_mesh(grid, formulation);
 }
 
-std::string picture_of(const SolidMesh& mesh) {
+std::string picture_of(const SolidMesh& mesh, const PictureShape& shape) {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * mesh.num_nodes());
-    return mesh_picture_svg(mesh, rest, 1,
+    return mesh_picture_svg(mesh, shape, rest, 1,
                             {"value", std::vector<double>(mesh.nodes.size(), 0.5), 0, 1}, "id");
 }
 
+std::string picture_of(Formulation formulation) {
+    const SolidMesh mesh = mesh_of(formulation);
+    return picture_of(mesh, body_shape(mesh));
+}
+
 TEST(MeshPicture, ShowsTheThreeSidesOfABoxThatFaceTheEye) {
-    EXPECT_EQ(count(picture_of(mesh_of(Formulation::solid)), "<path d='M"), 3u * 8);
+    EXPECT_EQ(count(picture_of(Formulation::solid), "<path d='M"), 3u * 8);
 }
 
 TEST(MeshPicture, ShowsBothHalvesOfASectionThroughAnAxis) {
-    EXPECT_EQ(count(picture_of(mesh_of(Formulation::plane_strain)), "<path d='M"), 4u);
-    EXPECT_EQ(count(picture_of(mesh_of(Formulation::axisymmetric)), "<path d='M"), 8u);
+    EXPECT_EQ(count(picture_of(Formulation::plane_strain), "<path d='M"), 4u);
+    EXPECT_EQ(count(picture_of(Formulation::axisymmetric), "<path d='M"), 8u);
+}
+
+/// Half the cross products of the rim.
+double area_of(const PictureShape& shape, const SolidMesh& mesh) {
+    double area = 0;
+    for (const auto& patch : shape.patches) {
+        const Vec3 first = shape.points[patch[0]].of(mesh.nodes);
+        for (std::size_t a = 1; a + 1 < patch.size(); ++a) {
+            const Vec3 along = shape.points[patch[a]].of(mesh.nodes) - first;
+            area += 0.5 * along.cross(shape.points[patch[a + 1]].of(mesh.nodes) - first).norm();
+        }
+    }
+    return area;
+}
+
+TEST(MeshPicture, ASectionFillsTheBodyAndHasItsRimAsOutline) {
+    const SolidMesh mesh = mesh_of(Formulation::solid);
+    const PictureShape section = section_shape(mesh, 1.2);
+
+    EXPECT_NEAR(area_of(section, mesh), 4 * 2, 1e-12);
+    for (const PicturePoint& point : section.points)
+        EXPECT_NEAR(point.of(mesh.nodes).y(), 1.2, 1e-12);
+    EXPECT_TRUE(section_shape(mesh, 4).patches.empty());
+    const std::string svg = picture_of(mesh, section);
+    const std::size_t rest = svg.find("class='rest'");
+    // Cells of 2 mm x 1 mm have a point in the middle of each side, where a face is cut twice.
+    EXPECT_EQ(count(svg.substr(rest, svg.find("/>", rest) - rest), "M"), 2u * (4 + 4));
 }
 
 TEST(MeshPicture, NodesHaveTheMeanOfTheirElements) {
