@@ -7,34 +7,16 @@
 //   gradient     of a sum of displacements by every parameter, force and prescribed displacement
 #include <benchmark/benchmark.h>
 
-#include <utility>
-
+#include "bench/solid_problem.hpp"
 #include "solver/adjoint/solid_adjoint.hpp"
 #include "solver/equilibrium/newton.hpp"
-#include "solver/model/quadratic_mesh.hpp"
-#include "tests/fixtures/meshes.hpp"
-#include "tests/fixtures/solid_models.hpp"
 
 namespace palpate {
 namespace {
 
-struct Size {
-    const char* name;
-    bool is_quadratic;
-    Index cells;
-};
-constexpr Size sizes[] = {{"small", false, 4}, {"seed_size", false, 18}, {"tet10", true, 9}};
-
-fixtures::LoadedModel compressed_box(const Size& size) {
-    const Index cells = size.cells;
-    Mesh box = fixtures::box_mesh({cells, cells, cells}, Vec3(60, 60, 60));
-    fixtures::set_inclusion(box, [](const Vec3& x) { return (x - Vec3(30, 30, 30)).norm() < 15; });
-    SolidMesh mesh = solid_mesh_of(box);
-    if (size.is_quadratic) mesh = with_edge_nodes(mesh);
-    SolidModel model = fixtures::solid_model(mesh, {"neo-hookean", {10, 0.35}});
-    model.materials.push_back({"neo-hookean", {90, 0.40}});
-    return fixtures::between_plates(std::move(model), Vec3(0, 0, -6));
-}
+using bench::compressed_box;
+using Size = bench::SolidSize;
+constexpr Size sizes[] = {bench::small_solid, bench::seed_size_solid, bench::quadratic_solid};
 
 void tangent(benchmark::State& state, const Size& size) {
     const auto work = compressed_box(size);

@@ -5,7 +5,25 @@
 // with the moduli A = dP/dH. One work item: one element of the law, which alone writes its blocks.
 // Points that are not valid add nothing.
 //   blocks  [num_elements, NODES_PER_ELEMENT, NODES_PER_ELEMENT, 9] mN/mm, row by row
-// Other buffers as in solid_force.cl. COLUMN_WIDTH is 1.
+// Other buffers as in solid_force.cl. COLUMN_WIDTH: how many entries of H are changed at a time.
+
+// dP by entry c of H at 9 c.
+static inline void moduli_of(const material_law* law, const law_state* s, real* moduli) {
+    real lanes[COLUMN_WIDTH];
+    for (int first = 0; first < 9; first += COLUMN_WIDTH) {
+        tensor3 units;
+        for (int r = 0; r < 9; ++r) {
+            for (int k = 0; k < COLUMN_WIDTH; ++k) lanes[k] = first + k == r ? 1 : 0;
+            units.m[r] = LOAD_COLUMNS(lanes);
+        }
+        const tensor3 changes = law_tangent_apply(law, s, &units);
+        for (int r = 0; r < 9; ++r) {
+            STORE_COLUMNS(changes.m[r], lanes);
+            for (int k = 0; k < COLUMN_WIDTH && first + k < 9; ++k)
+                moduli[9 * (first + k) + r] = s->is_valid ? lanes[k] : (real)0;
+        }
+    }
+}
 
 // dP by component j of node b, from the moduli: [9, 9], dP by entry c of H at 9 c.
 static inline void stress_by_node(const real* moduli, global const real* point, int b, int j,
@@ -35,12 +53,7 @@ PALPATE_KERNEL void solid_tangent(global const real* coefficients, global const 
         global const real* point = point_of(points, element, q);
         const law_state s = state_at(&law, nodes, point, u);
         real moduli[81];
-        for (int c = 0; c < 9; ++c) {
-            tensor3 unit;
-            for (int r = 0; r < 9; ++r) unit.m[r] = (columns)(r == c);
-            const tensor3 dp = law_tangent_apply(&law, &s, &unit);
-            for (int r = 0; r < 9; ++r) moduli[9 * c + r] = s.is_valid ? dp.m[r] : (real)0;
-        }
+        moduli_of(&law, &s, moduli);
         for (int b = 0; b < NODES_PER_ELEMENT; ++b)
             for (int j = 0; j < 3; ++j) {
                 real stress[9];
