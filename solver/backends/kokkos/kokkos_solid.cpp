@@ -144,10 +144,11 @@ public:
         require_pattern(tables_, matrix, "kokkos");
         guarded("tangent", [&] {
             const Array<Real> state = array_of<Real, double>(u);
-            const Array<Real> parts = make_array<Real>(9 * tables_.blocks.size());
             const Array<Real> sums = make_array<Real>(matrix.blocks.size());
-            for (const auto& law : loops_) law->tangent(state.data(), parts.data());
-            blocks_.run(parts.data(), sums.data(), 9);
+            if (element_blocks_.size() == 0)
+                element_blocks_ = make_array<Real>(9 * tables_.blocks.size());
+            for (const auto& law : loops_) law->tangent(state.data(), element_blocks_.data());
+            blocks_.run(element_blocks_.data(), sums.data(), 9);
             read_array(sums, std::span<double>(matrix.blocks));
         });
     }
@@ -209,8 +210,9 @@ private:
     DeviceSolidMesh<Real> mesh_;
     GatherLists nodes_, blocks_;
     std::vector<std::unique_ptr<LawLoops<Real>>> loops_;
-    Array<Real> state_;  ///< of `linearise`
-    Array<Real> parts_;  ///< of the last product
+    Array<Real> state_;           ///< of `linearise`
+    Array<Real> element_blocks_;  ///< of the last tangent
+    Array<Real> parts_;           ///< of the last product
 };
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t max_pass_columns = 16;  // columns whose element forces are held at a time
+constexpr int entries_at_a_time = 4;          // of H, in one vector of a CPU: 1 and 8 are slower
 constexpr std::size_t gathered_reals = 72;    // some 24 corners of 3 reals per node
 
 /// The numbers of the law's materials, [num_materials, LAW_COEFFICIENTS]; zeros for materials of
@@ -86,12 +87,13 @@ SolidForce DeviceSolid::internal_force(std::span<const double> u) {
 
 void DeviceSolid::tangent(std::span<const double> u, std::span<double> blocks) {
     const cl::Buffer state = session_.upload_real(u);
-    const cl::Buffer parts = session_.make_real_buffer(9 * tables_.blocks.size());
     const cl::Buffer sums = session_.make_real_buffer(blocks.size());
-    run_laws("solid_tangent", single_column, state, parts);
+    if (!element_blocks_()) element_blocks_ = session_.make_real_buffer(9 * tables_.blocks.size());
+    const ColumnPass entries = {0, 1, session_.device().is_cpu ? entries_at_a_time : 1};
+    run_laws("solid_tangent", entries, state, element_blocks_);
     const std::size_t num_blocks = tables_.graph.items.size();
     session_.run({"gather_blocks", "gather_blocks"}, num_blocks, single_column, block_start_,
-                 block_items_, parts, sums, static_cast<cl_int>(num_blocks));
+                 block_items_, element_blocks_, sums, static_cast<cl_int>(num_blocks));
     session_.read_real(sums, blocks);
 }
 

@@ -50,8 +50,9 @@ private:
     std::vector<Law> laws_;
     cl::Buffer elements_, region_, points_;
     cl::Buffer node_start_, node_corners_, block_start_, block_items_;
-    cl::Buffer state_;   ///< of `linearise`
-    cl::Buffer forces_;  ///< of the elements, for a product
+    cl::Buffer state_;           ///< of `linearise`
+    cl::Buffer element_blocks_;  ///< of the elements, for `tangent`
+    cl::Buffer forces_;          ///< of the elements, for a product
     std::size_t forces_columns_ = 0;
     bool has_state_ = false;
 };
