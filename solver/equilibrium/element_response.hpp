@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 #include "solver/equilibrium/mean_dilatation.hpp"
@@ -85,22 +86,24 @@ void element_tangent(const SolidModel& model, const LawAt& law_at, const Element
     });
 }
 
-/// lambda . df/dp for parameter p number k of the law: sum over the points of
-/// volume dP/dp : grad lambda.
+/// lambda . df/dp for the parameters p of the law, added to sums [parameters]: the integral of
+/// dP/dp : grad lambda.
 template <class LawAt>
-double parameter_product(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
-                         const Eigen::VectorXd& u, const Eigen::VectorXd& lambda, int k) {
-    double sum = 0;
+void add_parameter_products(const SolidModel& model, const LawAt& law_at,
+                            const ElementPoints& element, const Eigen::VectorXd& u,
+                            const Eigen::VectorXd& lambda, std::span<double> sums) {
     with_response(model, law_at, element, u, [&](const auto& response) {
         if (!response.is_valid()) return;
-        PointTensors change;
-        response.parameter_stress(k, change);
+        PointTensors direction{};
         for (std::size_t q = 0; q < element.geometry.size(); ++q)
-            sum +=
-                element.geometry[q].volume *
-                double_dot(change[q], displacement_gradient(element, element.geometry[q], lambda));
+            direction[q] = displacement_gradient(element, element.geometry[q], lambda);
+        response.law_directions(direction, direction);
+        for (std::size_t q = 0; q < element.geometry.size(); ++q)
+            for (std::size_t k = 0; k < sums.size(); ++k)
+                sums[k] += element.geometry[q].volume *
+                           double_dot(direction[q], response.law(q).parameter_stress(
+                                                        response.state(q), static_cast<int>(k)));
     });
-    return sum;
 }
 
 /// H of every point as its law has it.

@@ -59,18 +59,11 @@ public:
         }
     }
     void tangent_apply(const PointTensors& dh, PointTensors& dp) const {
-        double theta_change = 0;
-        std::array<double, most_element_points> rate;  // g : dF, the relative change of J
-        for (std::size_t q = 0; q < count_; ++q) {
-            rate[q] = double_dot(points_[q].g, dh[q]);
-            theta_change += element_.geometry[q].volume * (1 + points_[q].volume_change) * rate[q];
-        }
-        theta_change /= volume_;
+        std::array<double, most_element_points> rate, scale_change, pressure_change;
+        const double theta_change = find_scale_change(dh, rate, scale_change);
         PointTensors stress_change;
-        std::array<double, most_element_points> scale_change, pressure_change;
         for (std::size_t q = 0; q < count_; ++q) {
             const Point& point = points_[q];
-            scale_change[q] = point.scale / 3 * (theta_change / theta_ - rate[q]);
             const auto df = sum_of(point.scale, dh[q], scale_change[q], point.f);
             stress_change[q] = point.law->tangent_apply(*point.state, df);
             pressure_change[q] = (point.scale * double_dot(stress_change[q], point.f) +
@@ -90,20 +83,27 @@ public:
             dp[q] = sum_of(1.0, dp[q], 1.0, sum_of(on_g, point.g, on_change, g_change));
         }
     }
-    void parameter_stress(int k, PointTensors& dp) const {
-        std::array<double, most_element_points> pressure_change;
-        for (std::size_t q = 0; q < count_; ++q) {
-            dp[q] = points_[q].law->parameter_stress(*points_[q].state, k);
-            pressure_change[q] = points_[q].scale * double_dot(dp[q], points_[q].f) / 3;
-        }
-        const double mean_change = mean_of(pressure_change);
+    void law_directions(const PointTensors& dh, PointTensors& given) const {
+        std::array<double, most_element_points> rate, scale_change;
+        find_scale_change(dh, rate, scale_change);
+        for (std::size_t q = 0; q < count_; ++q)
+            given[q] = sum_of(points_[q].scale, dh[q], scale_change[q], points_[q].f);
+    }
+    void pull_back(PointTensors& p) const {
+        std::array<double, most_element_points> pressure;
+        for (std::size_t q = 0; q < count_; ++q)
+            pressure[q] = points_[q].scale * double_dot(p[q], points_[q].f) / 3;
+        const double mean = mean_of(pressure);
         for (std::size_t q = 0; q < count_; ++q) {
             const Point& point = points_[q];
-            const double on_g = mean_change * (1 + point.volume_change) - pressure_change[q];
-            dp[q] = sum_of(point.scale, dp[q], on_g, point.g);
+            const double on_g = mean * (1 + point.volume_change) - pressure[q];
+            p[q] = sum_of(point.scale, p[q], on_g, point.g);
         }
     }
+    Tensor3<double> held_direction(std::size_t, const Tensor3<double>&) const { return {}; }
 
+    const Law& law(std::size_t q) const { return *points_[q].law; }
+    const auto& state(std::size_t q) const { return *points_[q].state; }
     const Tensor3<double>& gradient(std::size_t q) const { return points_[q].h; }
 
 private:
@@ -131,6 +131,20 @@ private:
         add_diagonal(point.f, 1.0);
         point.g = scaled(cofactors(point.f), 1 / (1 + point.volume_change));
         point.pressure = point.scale * double_dot(point.stress, point.f) / 3;
+    }
+
+    /// ds, and g : dF, the relative change of J; returns d theta.
+    double find_scale_change(const PointTensors& dh, std::array<double, most_element_points>& rate,
+                             std::array<double, most_element_points>& scale_change) const {
+        double theta_change = 0;
+        for (std::size_t q = 0; q < count_; ++q) {
+            rate[q] = double_dot(points_[q].g, dh[q]);
+            theta_change += element_.geometry[q].volume * (1 + points_[q].volume_change) * rate[q];
+        }
+        theta_change /= volume_;
+        for (std::size_t q = 0; q < count_; ++q)
+            scale_change[q] = points_[q].scale / 3 * (theta_change / theta_ - rate[q]);
+        return theta_change;
     }
 
     double mean_of(const std::array<double, most_element_points>& pressure) const {

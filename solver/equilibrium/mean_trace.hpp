@@ -50,11 +50,15 @@ public:
             dp[q] = laws_[q]->tangent_apply(*states_[q], given[q]);
         give_mean_trace(dp);
     }
-    void parameter_stress(int k, PointTensors& dp) const {
-        for (std::size_t q = 0; q < count_; ++q) dp[q] = laws_[q]->parameter_stress(*states_[q], k);
-        give_mean_trace(dp);
+    void law_directions(const PointTensors& dh, PointTensors& given) const {
+        given = dh;
+        give_mean_trace(given);
     }
+    void pull_back(PointTensors& p) const { give_mean_trace(p); }
+    Tensor3<double> held_direction(std::size_t, const Tensor3<double>&) const { return {}; }
 
+    const Law& law(std::size_t q) const { return *laws_[q]; }
+    const auto& state(std::size_t q) const { return *states_[q]; }
     const Tensor3<double>& gradient(std::size_t q) const { return h_[q]; }
 
 private:

@@ -16,6 +16,7 @@ namespace {
 constexpr double rounding = 1e-10;
 constexpr double shortest_length = 1.0 / 1024;
 constexpr double largest_shift = 20;
+constexpr int most_friction_rounds = 200;
 constexpr double near_enough = 1e-2;  // relative residual from which old factors are tried
 
 void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
@@ -23,6 +24,11 @@ void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
     if (loads.displacement.size() != dofs || loads.force.size() != dofs)
         throw Error(ErrorCode::invalid_argument,
                     "displacements and forces need 3 numbers per node: " + std::to_string(dofs));
+    const std::size_t contacts = solid.model().contacts.size();
+    if (!loads.obstacle_motion.empty() && loads.obstacle_motion.size() != contacts)
+        throw Error(ErrorCode::invalid_argument,
+                    "obstacles move by one vector each: " + std::to_string(contacts) + ", not " +
+                        std::to_string(loads.obstacle_motion.size()));
     if (!loads.displacement.allFinite() || !loads.force.allFinite())
         throw Error(ErrorCode::invalid_argument,
                     "a prescribed displacement or force is not a finite number");
@@ -60,6 +66,8 @@ private:
         Eigen::VectorXd residual;  ///< force - f at free dofs, zero elsewhere
     };
 
+    ContactAssembly& contact() const { return tangent_->contact(); }
+    void place_obstacles(double load) const;
     State state_at(const Eigen::VectorXd& u, double load) const;
     /// At a part of the way from the start to the full load.
     double force_at(Eigen::Index dof, double load) const {
@@ -72,6 +80,8 @@ private:
     double relative_residual(const State& state, double load) const;
     bool factorise(const Eigen::VectorXd& u);
     bool reach(double load, State& state);
+    bool settle(double load, State& state);
+    bool settle_friction(double load, State& state);
     bool advance_walls(double load, State& state);
     bool take_chord_step(double load, State& state);
     double search_line(double load, const Eigen::VectorXd& change, State& state) const;
@@ -87,8 +97,16 @@ private:
     std::vector<NewtonRecord> records_;
 };
 
+void EquilibriumSolve::place_obstacles(double load) const {
+    std::vector<Vec3> motion = start_.obstacle_motion;
+    for (std::size_t c = 0; c < motion.size(); ++c)
+        motion[c] += load * (loads_.obstacle_motion[c] - motion[c]);
+    contact().place(motion);
+}
+
 EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, double load) const {
     State state{u, solid_.internal_force(u), 0, Eigen::VectorXd::Zero(u.size())};
+    contact().add_force(u, state.inner);
     state.total_energy = state.inner.energy;
     if (!state.inner.is_valid) return state;
     for (Eigen::Index d = 0; d < u.size(); ++d) {
@@ -104,7 +122,8 @@ double EquilibriumSolve::relative_residual(const State& state, double load) cons
     double applied = 0;
     for (Eigen::Index d = 0; d < state.u.size(); ++d)
         if (tangent_->free().number[d] >= 0) applied += std::pow(force_at(d, load), 2);
-    return state.residual.norm() / std::max(state.inner.force.norm(), std::sqrt(applied));
+    return state.residual.norm() /
+           std::max({state.inner.force.norm(), state.inner.contact_force, std::sqrt(applied)});
 }
 
 /// The tangent, shifted where it is not positive definite: then still a way down.
@@ -167,7 +186,24 @@ bool EquilibriumSolve::take_chord_step(double load, State& state) {
 }
 
 bool EquilibriumSolve::reach(double load, State& state) {
-    if (!advance_walls(load, state)) return false;
+    place_obstacles(load);
+    if (!advance_walls(load, state) || !settle(load, state)) return false;
+    return !contact().has_friction() || settle_friction(load, state);
+}
+
+/// Renews the limits of friction until they agree with the pressures that they lead to.
+bool EquilibriumSolve::settle_friction(double load, State& state) {
+    for (int round = 0; round < most_friction_rounds; ++round) {
+        contact().renew_limits(state.u);
+        state = state_at(state.u, load);
+        if (relative_residual(state, load) <= options_.relative_tolerance) return true;
+        if (!settle(load, state)) return false;
+    }
+    failure_ = "friction and pressure do not agree";
+    return false;
+}
+
+bool EquilibriumSolve::settle(double load, State& state) {
     for (int step = 0;; ++step) {
         const double residual = relative_residual(state, load);
         records_.push_back({load, residual, 0});
@@ -190,6 +226,7 @@ bool EquilibriumSolve::reach(double load, State& state) {
 
 Equilibrium EquilibriumSolve::run() {
     Equilibrium result;
+    contact().begin({start_.displacement, start_.obstacle_motion, start_.friction});
     State reached = state_at(start_.displacement, 0);
     double step = options_.first_step;
     while (result.load < 1 && step >= options_.smallest_step) {
@@ -210,6 +247,8 @@ Equilibrium EquilibriumSolve::run() {
                                        100 * result.load, failure_);
     result.relative_residual = relative_residual(reached, result.load);
     result.displacement = reached.u;
+    place_obstacles(result.load);
+    result.contact = contact().state(reached.u);
     result.energy = reached.inner.energy;
     result.reaction = Eigen::VectorXd::Zero(reached.u.size());
     for (Eigen::Index d = 0; d < reached.u.size(); ++d)
@@ -233,10 +272,17 @@ Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& load
     if (!fits(start.displacement) || !fits(start.force))
         throw Error(ErrorCode::invalid_argument,
                     "the start of a load path needs 3 finite numbers per node, or none");
+    if (!start.obstacle_motion.empty() &&
+        start.obstacle_motion.size() != solid.model().contacts.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "the start of a load path needs the motion of every obstacle, or none");
     EquilibriumStart from = start;
     if (from.displacement.size() == 0) from.displacement.setZero(loads.displacement.size());
     if (from.force.size() == 0) from.force.setZero(loads.force.size());
-    return EquilibriumSolve(solid, loads, options, from, progress).run();
+    SolidLoads to = loads;
+    from.obstacle_motion.resize(solid.model().contacts.size(), Vec3::Zero());
+    to.obstacle_motion.resize(solid.model().contacts.size(), Vec3::Zero());
+    return EquilibriumSolve(solid, to, options, from, progress).run();
 }
 
 }  // namespace palpate

@@ -40,6 +40,7 @@ struct NewtonRecord {
 
 struct Equilibrium {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
+    ContactState contact;          ///< what the obstacles do
     /// [3 num_nodes] mN: the forces that hold prescribed dofs, zero elsewhere.
     Eigen::VectorXd reaction;
     double energy = 0;  ///< stored, mN mm
@@ -52,17 +53,21 @@ struct Equilibrium {
     std::shared_ptr<TangentSolve> tangent;
 };
 
-/// Where a load path begins: an equilibrium under these forces. Empty: at rest, without load.
+/// Where a load path begins: an equilibrium under these loads. Empty: at rest, without load.
 struct EquilibriumStart {
-    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
-    Eigen::VectorXd force;         ///< [3 num_nodes] mN
+    Eigen::VectorXd displacement;            ///< [3 num_nodes] mm
+    Eigen::VectorXd force;                   ///< [3 num_nodes] mN
+    std::vector<Vec3> obstacle_motion = {};  ///< [contacts] mm
+    std::vector<Vec3> friction = {};         ///< [contact points] kPa, of `ContactState`
 };
 
 /// Static equilibrium f(u) = force at free dofs, u = displacement at prescribed ones, by Newton's
 /// method on a sparse factorisation of the tangent. The prescribed dofs move first and the others
 /// as the tangent says; then a line search keeps matter from inverting, and the total energy
 /// (stored less the work of the forces) from growing unless that halves the residual. Where the
-/// tangent is not positive definite it is shifted until it is. A load step that fails is halved,
+/// tangent is not positive definite it is shifted until it is. Friction follows from the slip
+/// between start and end, whatever load steps lie between; its limits are held while forces are
+/// balanced and renewed until both agree. A load step that fails is halved,
 /// one that goes well is followed by a longer one. Not converging is reported in the result, which
 /// then holds the last equilibrium. Throws Error(invalid_argument) for loads of the wrong size or
 /// not finite, and for options out of range.

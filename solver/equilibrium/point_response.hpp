@@ -6,7 +6,14 @@
 
 #include "solver/base/tensor3.hpp"
 
-// What a law answers at one point once the formulation has had its say.
+// What a law answers at one point once the formulation has had its say. Beside energy, stress and
+// tangent:
+//   gradient                H as the law has it
+//   law_direction(dh)       the change of that H
+//   pull_back(p)            the stress on the given H that does the work of p on the law's H:
+//                           pull_back(p) : dh = p : law_direction(dh)
+//   held_direction(p)       the direction D for which, at a given H, p does the work D : dP as the
+//                           law's stress changes by dP (a parameter's, say)
 namespace palpate {
 
 /// The law as it is: in space, in plane strain and about an axis H is known completely.
@@ -24,10 +31,12 @@ public:
     Tensor3<double> tangent_apply(const Tensor3<double>& dh) const {
         return law_.tangent_apply(state_, dh);
     }
-    /// dP by parameter k of the law, H held.
-    Tensor3<double> parameter_stress(int k) const { return law_.parameter_stress(state_, k); }
+    Tensor3<double> law_direction(const Tensor3<double>& dh) const { return dh; }
+    Tensor3<double> pull_back(const Tensor3<double>& p) const { return p; }
+    Tensor3<double> held_direction(const Tensor3<double>&) const { return {}; }
 
-    /// H as the law has it.
+    const Law& law() const { return law_; }
+    const State& state() const { return state_; }
     const Tensor3<double>& gradient() const { return h_; }
 
 private:
@@ -77,11 +86,18 @@ public:
     Tensor3<double> tangent_apply(const Tensor3<double>& dh) const {
         return relaxed(law_.tangent_apply(state_, dh));
     }
-    /// dP by parameter k of the law, H in the plane held.
-    Tensor3<double> parameter_stress(int k) const {
-        return relaxed(law_.parameter_stress(state_, k));
+    Tensor3<double> law_direction(Tensor3<double> dh) const {
+        dh.m[8] -= law_.tangent_apply(state_, dh).m[8] / across_.m[8];
+        return dh;
     }
-    /// H as the law has it, H_zz solved for.
+    Tensor3<double> pull_back(const Tensor3<double>& p) const { return relaxed(p); }
+    Tensor3<double> held_direction(const Tensor3<double>& p) const {
+        return scaled(unit_across(), -p.m[8] / across_.m[8]);
+    }
+
+    const Law& law() const { return law_; }
+    const State& state() const { return state_; }
+    /// H_zz solved for.
     const Tensor3<double>& gradient() const { return h_; }
 
 private:

@@ -40,11 +40,18 @@ public:
     void tangent_apply(const PointTensors& dh, PointTensors& dp) const {
         for (std::size_t q = 0; q < count_; ++q) dp[q] = points_[q]->tangent_apply(dh[q]);
     }
-    /// dP by parameter k of the law.
-    void parameter_stress(int k, PointTensors& dp) const {
-        for (std::size_t q = 0; q < count_; ++q) dp[q] = points_[q]->parameter_stress(k);
+    void law_directions(const PointTensors& dh, PointTensors& given) const {
+        for (std::size_t q = 0; q < count_; ++q) given[q] = points_[q]->law_direction(dh[q]);
+    }
+    void pull_back(PointTensors& p) const {
+        for (std::size_t q = 0; q < count_; ++q) p[q] = points_[q]->pull_back(p[q]);
+    }
+    Tensor3<double> held_direction(std::size_t q, const Tensor3<double>& p) const {
+        return points_[q]->held_direction(p);
     }
 
+    const auto& law(std::size_t q) const { return points_[q]->law(); }
+    const auto& state(std::size_t q) const { return points_[q]->state(); }
     const Tensor3<double>& gradient(std::size_t q) const { return points_[q]->gradient(); }
 
 private:

@@ -12,7 +12,7 @@
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
-#include "solver/equilibrium/element_response.hpp"
+#include "solver/equilibrium/viscous_response.hpp"
 #include "solver/materials/registry.hpp"
 
 namespace palpate {
@@ -35,18 +35,44 @@ AnyLaw law_of(const SolidMaterial& material) {
     return *found;
 }
 
-/// F^-1 P; for small strains P itself.
-template <class Law>
-Tensor3<double> second_piola(const Law& law, const Tensor3<double>& h) {
-    const Tensor3<double> stress = law.stress(law.state(h));
-    if constexpr (is_small_strain<Law>) {
-        return stress;
-    } else {
-        Tensor3<double> f = h;
-        add_diagonal(f, 1.0);
-        return scaled(transposed_times(cofactors(f), stress), 1 / (1 + determinant_change(h)));
+/// Numbers of elements, summed by material in the order of the elements: slopes by the parameters
+/// of the law, and one by the factor of a viscous step.
+class ElementSlopes {
+public:
+    explicit ElementSlopes(const SolidModel& model) : model_(model) {
+        for (const SolidMaterial& material : model.materials)
+            width_ = std::max(width_, 1 + material.parameters.size());
+        parts_.assign(width_ * model.mesh.region.size(), 0.0);
     }
-}
+    std::span<double> parameters_of(Index element) {
+        return {&parts_[width_ * element + 1],
+                model_.materials[model_.mesh.region[element]].parameters.size()};
+    }
+    double& factor_of(Index element) { return parts_[width_ * element]; }
+
+    std::vector<std::vector<double>> parameters() const {
+        std::vector<std::vector<double>> sums;
+        for (const SolidMaterial& material : model_.materials)
+            sums.emplace_back(material.parameters.size(), 0.0);
+        for (Index e = 0; e < model_.mesh.num_elements(); ++e) {
+            std::vector<double>& of_material = sums[model_.mesh.region[e]];
+            for (std::size_t k = 0; k < of_material.size(); ++k)
+                of_material[k] += parts_[width_ * e + 1 + k];
+        }
+        return sums;
+    }
+    std::vector<double> factor() const {
+        std::vector<double> sums(model_.materials.size());
+        for (Index e = 0; e < model_.mesh.num_elements(); ++e)
+            sums[model_.mesh.region[e]] += parts_[width_ * e];
+        return sums;
+    }
+
+private:
+    const SolidModel& model_;
+    std::size_t width_ = 1;
+    std::vector<double> parts_;
+};
 
 }  // namespace
 
@@ -63,6 +89,12 @@ struct SolidAssembly::Tables {
 
     explicit Tables(const SolidModel& from);
     ElementPoints points_of(Index element) const;
+    /// The part of [num_elements, num_points] that belongs to an element.
+    template <class List>
+    auto of_element(List& list, Index element) const {
+        const auto points = static_cast<std::size_t>(model.mesh.table().num_points);
+        return std::span(list).subspan(element * points, points);
+    }
     void find_blocks();
     /// Calls work(law_at) with what gives the law of a point of the element.
     template <class Work>
@@ -184,28 +216,14 @@ void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const
 std::vector<std::vector<double>> SolidAssembly::parameter_products(
     const Eigen::VectorXd& u, const Eigen::VectorXd& lambda) const {
     const Tables& tables = *tables_;
-    const SolidModel& model = tables.model;
-    std::size_t most = 0;
-    for (const SolidMaterial& material : model.materials)
-        most = std::max(most, material.parameters.size());
-    std::vector<double> parts(model.mesh.region.size() * most);
+    ElementSlopes slopes(tables.model);
     tables.for_each_element([&](Index e) {
-        const Index region = model.mesh.region[e];
-        const auto count = static_cast<int>(model.materials[region].parameters.size());
-        const ElementPoints points = tables.points_of(e);
         tables.with_laws(e, [&](const auto& law_at) {
-            for (int k = 0; k < count; ++k)
-                parts[e * most + k] = parameter_product(tables.model, law_at, points, u, lambda, k);
+            add_parameter_products(tables.model, law_at, tables.points_of(e), u, lambda,
+                                   slopes.parameters_of(e));
         });
     });
-    std::vector<std::vector<double>> products;
-    for (const SolidMaterial& material : model.materials)
-        products.emplace_back(material.parameters.size(), 0.0);
-    for (Index e = 0; e < model.mesh.num_elements(); ++e) {
-        std::vector<double>& sums = products[model.mesh.region[e]];
-        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += parts[e * most + k];
-    }
-    return products;
+    return slopes.parameters();
 }
 
 void SolidAssembly::set_viscous_step(std::vector<double> factor,
@@ -237,6 +255,50 @@ std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd
             tables.laws[region]);
     });
     return stress;
+}
+
+Eigen::VectorXd SolidAssembly::elastic_stress_gradient(
+    const Eigen::VectorXd& u, const std::vector<Tensor3<double>>& slope) const {
+    const Tables& tables = *tables_;
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(u.size());
+    tables.for_each_element([&](Index e) {
+        const ElementPoints points = tables.points_of(e);
+        tables.with_laws(e, [&](const auto& law_at) {
+            if constexpr (gives_viscous_step<decltype(law_at)>) {
+                const auto found = element_stress_gradient(tables.model, law_at, points, u,
+                                                           tables.of_element(slope, e));
+                for (std::size_t a = 0; a < points.nodes.size(); ++a)
+                    gradient.segment<3>(3 * points.nodes[a]) += found[a];
+            }
+        });
+    });
+    return gradient;
+}
+
+ViscousSlopes SolidAssembly::viscous_slopes(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
+                                            const std::vector<Tensor3<double>>& slope) const {
+    const Tables& tables = *tables_;
+    const Eigen::VectorXd direction = -lambda;
+    ElementSlopes slopes(tables.model);
+    ViscousSlopes result;
+    result.prestress.assign(slope.size(), Tensor3<double>{});
+    tables.for_each_element([&](Index e) {
+        const ElementPoints points = tables.points_of(e);
+        tables.with_laws(e, [&](const auto& law_at) {
+            if constexpr (gives_viscous_step<decltype(law_at)>) {
+                add_viscous_slopes(tables.model, law_at, points, u, direction,
+                                   tables.of_element(slope, e),
+                                   {tables.of_element(result.prestress, e), slopes.factor_of(e),
+                                    slopes.parameters_of(e)});
+            } else {
+                add_parameter_products(tables.model, law_at, points, u, direction,
+                                       slopes.parameters_of(e));
+            }
+        });
+    });
+    result.factor = slopes.factor();
+    result.parameters = slopes.parameters();
+    return result;
 }
 
 }  // namespace palpate

@@ -14,9 +14,17 @@ namespace palpate {
 
 /// What a displacement stores and how it pushes back.
 struct InternalForce {
-    double energy = 0;      ///< mN mm; infinite if not valid
-    Eigen::VectorXd force;  ///< [3 num_nodes] mN, dW/du
-    bool is_valid = true;   ///< false where matter is inverted at any point
+    double energy = 0;         ///< mN mm; infinite if not valid
+    Eigen::VectorXd force;     ///< [3 num_nodes] mN, dW/du
+    bool is_valid = true;      ///< false where matter is inverted at any point
+    double contact_force = 0;  ///< norm of what obstacles add to `force`, mN
+};
+
+/// Derivatives of a scalar by what a viscous step is made of, displacements held.
+struct ViscousSlopes {
+    std::vector<Tensor3<double>> prestress;       ///< [num_elements, num_points] per kPa
+    std::vector<double> factor;                   ///< [materials]
+    std::vector<std::vector<double>> parameters;  ///< [materials][parameters]
 };
 
 /// Energy, forces and stiffness of a SolidModel at a displacement (total Lagrangian: all integrals
@@ -48,6 +56,14 @@ public:
     /// per unit of the parameter. lambda [3 num_nodes] mm.
     std::vector<std::vector<double>> parameter_products(const Eigen::VectorXd& u,
                                                         const Eigen::VectorXd& lambda) const;
+    /// Derivative by u of the sum over points of slope : S, S as `elastic_stress` has it; [3
+    /// num_nodes].
+    Eigen::VectorXd elastic_stress_gradient(const Eigen::VectorXd& u,
+                                            const std::vector<Tensor3<double>>& slope) const;
+    /// Derivatives of (sum over points of slope : S) - lambda . f, f the internal force, at a held
+    /// u.
+    ViscousSlopes viscous_slopes(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
+                                 const std::vector<Tensor3<double>>& slope) const;
 
 private:
     struct Tables;

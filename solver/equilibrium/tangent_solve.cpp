@@ -10,12 +10,18 @@ namespace palpate {
 
 TangentSolve::TangentSolve(const SolidAssembly& solid, const std::string& library)
     : solid_(solid),
+      contact_(solid.model()),
       matrix_(solid.make_matrix()),
       free_(number_free_dofs(matrix_.graph, solid.model().prescribed)),
       factor_(make_sparse_factor(library)) {}
 
-bool TangentSolve::factorise(const Eigen::VectorXd& u, double shift) {
+void TangentSolve::fill_matrix(const Eigen::VectorXd& u) {
     solid_.tangent(u, matrix_);
+    contact_.add_tangent(u, matrix_);
+}
+
+bool TangentSolve::factorise(const Eigen::VectorXd& u, double shift) {
+    fill_matrix(u);
     if (free_.count == 0) return true;
     SparseFactor::Lower lower = free_lower(matrix_, free_);
     if (shift > 0) {
@@ -61,11 +67,12 @@ Eigen::VectorXd TangentSolve::times(const Eigen::VectorXd& x) const {
     return y;
 }
 
-/// Iterative refinement with a factor that may be another tangent's. False if it does not get
-/// there.
+/// Iterative refinement with a factor that may be another tangent's, or one with the limits of
+/// friction held: then it goes as slowly as those were found. False if it does not get there.
 bool TangentSolve::refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
     constexpr double tolerance = 1e-12;
-    constexpr int most_steps = 20;
+    const double slowest = contact_.has_friction() ? 0.99 : 0.5;
+    const int most_steps = contact_.has_friction() ? 500 : 20;
     Eigen::VectorXd left = r;
     for (Eigen::Index d = 0; d < r.size(); ++d)
         if (free_.number[d] < 0) left[d] = 0;
@@ -79,7 +86,7 @@ bool TangentSolve::refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
         left = right - times(x);
         for (Eigen::Index d = 0; d < r.size(); ++d)
             if (free_.number[d] < 0) left[d] = 0;
-        if (!(left.norm() <= 0.5 * before)) break;
+        if (!(left.norm() <= slowest * before)) break;
         before = left.norm();
     }
     return left.norm() <= 1e3 * tolerance * right.norm();
@@ -87,11 +94,13 @@ bool TangentSolve::refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
 
 bool TangentSolve::solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r,
                             Eigen::VectorXd& x) {
-    if (is_factorised_) {
-        solid_.tangent(u, matrix_);
+    if (is_factorised_ && !contact_.has_friction()) {
+        fill_matrix(u);
         if (refine(r, x)) return true;
     }
-    return factorise(u) && refine(r, x);
+    if (!factorise(u)) return false;
+    contact_.add_limit_rates(u, matrix_);
+    return refine(r, x);
 }
 
 double TangentSolve::force_of_rounding(const Eigen::VectorXd& u) const {

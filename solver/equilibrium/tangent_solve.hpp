@@ -6,26 +6,29 @@
 #include <memory>
 #include <string>
 
+#include "solver/equilibrium/contact_assembly.hpp"
 #include "solver/equilibrium/solid_assembly.hpp"
 #include "solver/linear/free_dofs.hpp"
 #include "solver/linear/sparse_factor.hpp"
 
 namespace palpate {
 
-/// The tangent K of a SolidAssembly, factorised on the free dofs at one displacement after the
-/// other; the pattern is analysed once.
+/// The tangent K of a SolidAssembly and its contacts, factorised on the free dofs at one
+/// displacement after the other; the pattern is analysed once.
 class TangentSolve {
 public:
     /// `library`: of the factor, see `make_sparse_factor`. `solid` must outlive this object.
     TangentSolve(const SolidAssembly& solid, const std::string& library);
 
     const FreeDofs& free() const { return free_; }
+    ContactAssembly& contact() { return contact_; }
+    const ContactAssembly& contact() const { return contact_; }
     /// At u [3 num_nodes] mm, with `shift` times the mean of K's diagonal added to it. False if
     /// that is not positive definite.
     bool factorise(const Eigen::VectorXd& u, double shift = 0);
-    /// x with K_ff x_f = r_f, x_p = 0, for the tangent at u to a relative residual of 1e-12, at
-    /// worst 1e-9. The last factor serves if it is near enough, else a new one is made. False if
-    /// that fails.
+    /// x with K_ff^T x_f = r_f, x_p = 0, for the tangent at u to a relative residual of 1e-12, at
+    /// worst 1e-9; here the limits of friction follow the pressure, so K is not symmetric. The last
+    /// factor serves if it is near enough, else a new one is made. False if that fails.
     bool solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r, Eigen::VectorXd& x);
     /// Why the last factorisation failed.
     const std::string& failure() const { return failure_; }
@@ -33,13 +36,15 @@ public:
     double force_of_rounding(const Eigen::VectorXd& u) const;
     /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.
     void solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
-    /// K x with all rows and columns, [3 num_nodes].
+    /// K x with all rows and columns, [3 num_nodes]; after `solve_at` K^T x.
     Eigen::VectorXd times(const Eigen::VectorXd& x) const;
 
 private:
+    void fill_matrix(const Eigen::VectorXd& u);
     bool refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
 
     const SolidAssembly& solid_;
+    ContactAssembly contact_;
     BlockMatrix matrix_;
     FreeDofs free_;
     std::unique_ptr<SparseFactor> factor_;

@@ -15,6 +15,9 @@ struct LoadTime {
     SolidLoads loads;
 };
 
+/// Throws Error(invalid_argument) for times that do not ascend from above 0.
+void check_times(const std::vector<LoadTime>& times);
+
 /// Quasi-static equilibrium at each of the times, ascending from above 0. With the reduced
 /// relaxation function G(t) = 1 + sum_k C_k exp(-t / tau_k) of quasi-linear viscoelasticity (Fung
 /// 1993, section 7.6) the second Piola stress is that of the law, S, plus one history per term,

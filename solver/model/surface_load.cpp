@@ -10,13 +10,6 @@
 namespace palpate {
 namespace {
 
-/// One point of a face: shape functions, and what of the surface it stands for.
-struct FacePoint {
-    double value[6] = {};
-    Vec3 place = Vec3::Zero();
-    Vec3 area = Vec3::Zero();  ///< outward normal times mm^2 (in a plane: mm)
-};
-
 std::vector<FacePoint> triangle_points(const SolidMesh& mesh, const Face& face) {
     const ElementType type = face.size() == 3 ? ElementType::tri3 : ElementType::tri6;
     const ElementTable& rule = element_table(ElementType::tri6);
@@ -30,10 +23,19 @@ std::vector<FacePoint> triangle_points(const SolidMesh& mesh, const Face& face) 
             point.place += at.value[a] * mesh.nodes[face[a]];
             for (int j = 0; j < 2; ++j) along[j] += at.gradient[a][j] * mesh.nodes[face[a]];
         }
-        point.area = rule.weight[q] * along[0].cross(along[1]);
+        const Vec3 area = rule.weight[q] * along[0].cross(along[1]);
+        point.area = area.norm();
+        point.normal = area / point.area;
         points.push_back(point);
     }
     return points;
+}
+
+/// mm that an edge extends across its plane.
+double depth_at(const SolidMesh& mesh, const Vec3& place) {
+    if (mesh.formulation == Formulation::solid) return 1;
+    if (mesh.formulation == Formulation::axisymmetric) return 2 * std::numbers::pi * place.x();
+    return mesh.thickness_mm;
 }
 
 /// Three Gauss points on [-1, 1]; the third node of a quadratic edge is its middle.
@@ -54,17 +56,11 @@ std::vector<FacePoint> edge_points(const SolidMesh& mesh, const Face& face) {
             point.place += value[a] * mesh.nodes[face[a]];
             along += slope[a] * mesh.nodes[face[a]];
         }
-        point.area = weight[q] * Vec3(along.y(), -along.x(), 0);
+        point.area = weight[q] * along.norm() * depth_at(mesh, point.place);
+        point.normal = Vec3(along.y(), -along.x(), 0).normalized();
         points.push_back(point);
     }
     return points;
-}
-
-/// mm that an edge extends across its plane.
-double depth_at(const SolidMesh& mesh, const Vec3& place) {
-    if (mesh.formulation == Formulation::solid) return 1;
-    if (mesh.formulation == Formulation::axisymmetric) return 2 * std::numbers::pi * place.x();
-    return mesh.thickness_mm;
 }
 
 }  // namespace
@@ -90,16 +86,17 @@ std::vector<Face> boundary_faces(const SolidMesh& mesh,
     return all;
 }
 
+std::vector<FacePoint> face_points(const SolidMesh& mesh, const Face& face) {
+    return mesh.formulation == Formulation::solid ? triangle_points(mesh, face)
+                                                  : edge_points(mesh, face);
+}
+
 Eigen::VectorXd traction_forces(const SolidMesh& mesh, const std::vector<Face>& faces,
                                 const Traction& traction) {
     Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * mesh.num_nodes());
-    const bool is_solid = mesh.formulation == Formulation::solid;
     for (const Face& face : faces)
-        for (const FacePoint& point :
-             is_solid ? triangle_points(mesh, face) : edge_points(mesh, face)) {
-            const double area = point.area.norm();
-            const Vec3 force =
-                depth_at(mesh, point.place) * area * traction(point.place, point.area / area);
+        for (const FacePoint& point : face_points(mesh, face)) {
+            const Vec3 force = point.area * traction(point.place, point.normal);
             for (std::size_t a = 0; a < face.size(); ++a)
                 forces.segment<3>(3 * face[a]) += point.value[a] * force;
         }

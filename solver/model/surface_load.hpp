@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -18,6 +19,18 @@ using Face = std::vector<Index>;
 /// `is_wanted`; without it all of them.
 std::vector<Face> boundary_faces(const SolidMesh& mesh,
                                  const std::function<bool(Index node)>& is_wanted = {});
+
+/// A quadrature point of an undeformed face.
+struct FacePoint {
+    std::array<double, 6> value{};  ///< shape functions of the face's nodes
+    Vec3 place = Vec3::Zero();      ///< mm
+    Vec3 normal = Vec3::Zero();     ///< outward, of length 1
+    double area =
+        0;  ///< mm^2; about an axis of the whole circumference, in a plane of the thickness
+};
+
+/// The points of a face of `boundary_faces`: three, for linear and quadratic faces alike.
+std::vector<FacePoint> face_points(const SolidMesh& mesh, const Face& face);
 
 /// Traction (kPa) at a place (mm) of the undeformed surface with this outward unit normal.
 using Traction = std::function<Vec3(const Vec3& place, const Vec3& normal)>;

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/equilibrium/contact_assembly.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <unsupported/Eigen/AutoDiff>
+
+#include "solver/base/error.hpp"
+#include "solver/equilibrium/contact_traction.hpp"
+
+namespace palpate {
+namespace {
+
+/// By y, y_before and friction_before.
+using Dual = Eigen::AutoDiffScalar<Eigen::Matrix<double, 9, 1>>;
+using Rates = Eigen::Matrix<double, 3, 9>;
+
+Triple<double> numbers(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+Triple<Dual> variables(const Vec3& v, int first) {
+    Triple<Dual> result;
+    for (int i = 0; i < 3; ++i) result[i] = Dual(v[i], 9, first + i);
+    return result;
+}
+
+Vec3 values(const Triple<double>& v) { return {v[0], v[1], v[2]}; }
+
+Rates rates(const Triple<Dual>& v) {
+    Rates result;
+    for (int i = 0; i < 3; ++i) result.row(i) = v[i].derivatives().transpose();
+    return result;
+}
+
+}  // namespace
+
+struct ContactAssembly::Point {
+    std::size_t contact = 0;  ///< its number in the model
+    const Face* face = nullptr;
+    std::array<double, 6> value{};
+    double area = 0;
+    Vec3 place = Vec3::Zero();         ///< undeformed
+    Vec3 place_before = Vec3::Zero();  ///< when the step began, in the obstacle's frame
+    Vec3 friction_before = Vec3::Zero();
+    double limit = 0;  ///< of friction, kPa
+};
+
+/// What a point's traction depends on, and how.
+struct ContactAssembly::Slopes {
+    Rates traction;  ///< pressure and friction
+    Rates friction;
+};
+
+ContactAssembly::ContactAssembly(const SolidModel& model) : model_(model) {
+    for (std::size_t c = 0; c < model.contacts.size(); ++c)
+        for (const Face& face : model.contacts[c].faces)
+            for (const FacePoint& from : face_points(model.mesh, face)) {
+                Point point;
+                point.contact = c;
+                point.face = &face;
+                point.value = from.value;
+                point.area = from.area;
+                point.place = from.place;
+                points_.push_back(point);
+            }
+    begin({});
+}
+
+ContactAssembly::~ContactAssembly() = default;
+
+bool ContactAssembly::is_empty() const { return points_.empty(); }
+
+bool ContactAssembly::has_friction() const {
+    return std::any_of(model_.contacts.begin(), model_.contacts.end(),
+                       [](const Contact& contact) { return contact.friction > 0; });
+}
+
+Vec3 ContactAssembly::at_point(const Point& point, const Eigen::VectorXd& u) const {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t a = 0; a < point.face->size(); ++a)
+        sum += point.value[a] * u.segment<3>(3 * (*point.face)[a]);
+    return sum;
+}
+
+void ContactAssembly::place(const std::vector<Vec3>& motion) {
+    const std::size_t count = model_.contacts.size();
+    if (!motion.empty() && motion.size() != count)
+        throw Error(ErrorCode::invalid_argument,
+                    "obstacles move by one vector each: " + std::to_string(count) + ", not " +
+                        std::to_string(motion.size()));
+    for (const Vec3& by : motion)
+        if (!by.allFinite())
+            throw Error(ErrorCode::invalid_argument,
+                        "the motion of an obstacle is not a finite number");
+    motion_ = motion;
+    motion_.resize(count, Vec3::Zero());
+}
+
+void ContactAssembly::begin(const ContactStart& start) {
+    place(start.motion);
+    motion_before_ = motion_;
+    if (!start.friction.empty() && start.friction.size() != points_.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "the friction that a step begins with has " +
+                        std::to_string(start.friction.size()) + " vectors for " +
+                        std::to_string(points_.size()) + " contact points");
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+        Point& point = points_[k];
+        point.place_before = point.place - motion_before_[point.contact];
+        if (start.displacement.size() > 0)
+            point.place_before += at_point(point, start.displacement);
+        point.friction_before = start.friction.empty() ? Vec3::Zero() : start.friction[k];
+        point.limit = 0;
+    }
+    if (start.displacement.size() > 0) renew_limits(start.displacement);
+}
+
+void ContactAssembly::renew_limits(const Eigen::VectorXd& u) {
+    for (Point& point : points_) {
+        const Contact& contact = model_.contacts[point.contact];
+        const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
+        const double depth = depth_in(contact.obstacle, numbers(y)).depth;
+        point.limit = contact.friction * contact.stiffness_kpa_per_mm * std::max(0.0, depth);
+    }
+}
+
+void ContactAssembly::add_force(const Eigen::VectorXd& u, InternalForce& sum) const {
+    if (is_empty() || !sum.is_valid) return;
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(u.size());
+    for (const Point& point : points_) {
+        const Contact& contact = model_.contacts[point.contact];
+        const Triple<double> y = numbers(point.place + at_point(point, u) - motion_[point.contact]);
+        const Triple<double> before = numbers(point.place_before);
+        const Triple<double> friction = numbers(point.friction_before);
+        const auto traction = contact_traction(contact, y, before, friction, point.limit);
+        sum.energy += point.area * contact_energy(contact, y, before, friction, point.limit);
+        const Vec3 on_body = values(traction.pressure) + values(traction.friction);
+        for (std::size_t a = 0; a < point.face->size(); ++a)
+            force.segment<3>(3 * (*point.face)[a]) -= point.area * point.value[a] * on_body;
+    }
+    sum.contact_force = force.norm();
+    sum.force += force;
+    sum.is_valid = std::isfinite(sum.energy) && force.allFinite();
+    if (!sum.is_valid) sum.energy = std::numeric_limits<double>::infinity();
+}
+
+ContactAssembly::Slopes ContactAssembly::slopes_at(const Point& point,
+                                                   const Eigen::VectorXd& u) const {
+    const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
+    const auto traction = contact_traction(model_.contacts[point.contact], variables(y, 0),
+                                           variables(point.place_before, 3),
+                                           variables(point.friction_before, 6), std::nullopt);
+    Slopes slopes;
+    slopes.friction = rates(traction.friction);
+    slopes.traction = slopes.friction + rates(traction.pressure);
+    return slopes;
+}
+
+void ContactAssembly::add_stiffness(const Point& point, const Mat3& stiffness,
+                                    BlockMatrix& matrix) const {
+    const Face& face = *point.face;
+    for (std::size_t a = 0; a < face.size(); ++a) {
+        const auto row = matrix.graph.items.begin() + matrix.graph.offsets[face[a]];
+        const auto end = matrix.graph.items.begin() + matrix.graph.offsets[face[a] + 1];
+        for (std::size_t b = 0; b < face.size(); ++b) {
+            const auto at = std::lower_bound(row, end, face[b]);
+            double* block = matrix.block(static_cast<Index>(at - matrix.graph.items.begin()));
+            const double weight = point.area * point.value[a] * point.value[b];
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) block[3 * i + j] += weight * stiffness(i, j);
+        }
+    }
+}
+
+void ContactAssembly::add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const {
+    for (const Point& point : points_) {
+        const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
+        const auto traction = contact_traction(model_.contacts[point.contact], variables(y, 0),
+                                               variables(point.place_before, 3),
+                                               variables(point.friction_before, 6), point.limit);
+        const Rates all = rates(traction.pressure) + rates(traction.friction);
+        if (!all.isZero(0)) add_stiffness(point, -all.leftCols<3>(), matrix);
+    }
+}
+
+void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& matrix) const {
+    if (!has_friction()) return;
+    for (const Point& point : points_) {
+        const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
+        const auto held = contact_traction(model_.contacts[point.contact], variables(y, 0),
+                                           variables(point.place_before, 3),
+                                           variables(point.friction_before, 6), point.limit);
+        const Mat3 missing =
+            slopes_at(point, u).friction.leftCols<3>() - rates(held.friction).leftCols<3>();
+        if (!missing.isZero(0)) add_stiffness(point, -missing.transpose(), matrix);
+    }
+}
+
+ContactState ContactAssembly::state(const Eigen::VectorXd& u) const {
+    ContactState state;
+    state.force.assign(model_.contacts.size(), Vec3::Zero());
+    state.depth_mm.assign(model_.contacts.size(), 0.0);
+    for (const Point& point : points_) {
+        const Contact& contact = model_.contacts[point.contact];
+        const Triple<double> y = numbers(point.place + at_point(point, u) - motion_[point.contact]);
+        const auto traction = contact_traction(contact, y, numbers(point.place_before),
+                                               numbers(point.friction_before), std::nullopt);
+        state.friction.push_back(values(traction.friction));
+        state.force[point.contact] +=
+            point.area * (values(traction.pressure) + values(traction.friction));
+        state.depth_mm[point.contact] =
+            std::max(state.depth_mm[point.contact], depth_in(contact.obstacle, y).depth);
+    }
+    return state;
+}
+
+Eigen::VectorXd ContactAssembly::friction_gradient(const Eigen::VectorXd& u,
+                                                   const std::vector<Vec3>& slope) const {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(u.size());
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+        const Point& point = points_[k];
+        if (slope[k].isZero(0)) continue;
+        const Vec3 by_place = slopes_at(point, u).friction.leftCols<3>().transpose() * slope[k];
+        for (std::size_t a = 0; a < point.face->size(); ++a)
+            gradient.segment<3>(3 * (*point.face)[a]) += point.value[a] * by_place;
+    }
+    return gradient;
+}
+
+ContactGradient ContactAssembly::start_gradient(const Eigen::VectorXd& u,
+                                                const Eigen::VectorXd& lambda,
+                                                const std::vector<Vec3>& slope) const {
+    ContactGradient sum;
+    sum.displacement_before = Eigen::VectorXd::Zero(u.size());
+    sum.motion.assign(model_.contacts.size(), Vec3::Zero());
+    sum.motion_before = sum.motion;
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+        const Point& point = points_[k];
+        const Slopes slopes = slopes_at(point, u);
+        const Eigen::Matrix<double, 9, 1> total =
+            slopes.traction.transpose() * (point.area * at_point(point, lambda)) +
+            slopes.friction.transpose() * slope[k];
+        sum.motion[point.contact] -= total.head<3>();
+        sum.motion_before[point.contact] -= total.segment<3>(3);
+        sum.friction_before.push_back(total.tail<3>());
+        for (std::size_t a = 0; a < point.face->size(); ++a)
+            sum.displacement_before.segment<3>(3 * (*point.face)[a]) +=
+                point.value[a] * total.segment<3>(3);
+    }
+    return sum;
+}
+
+}  // namespace palpate

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "solver/equilibrium/solid_assembly.hpp"
+
+namespace palpate {
+
+/// Where all contacts were when a step began. Empty: at rest, where the model has the obstacles,
+/// without friction.
+struct ContactStart {
+    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
+    std::vector<Vec3> motion;      ///< [contacts] mm, of the obstacles
+    std::vector<Vec3> friction;    ///< [contact points] kPa, on the body
+};
+
+/// What the obstacles do to the body.
+struct ContactState {
+    std::vector<Vec3> force;       ///< [contacts] mN, on the body
+    std::vector<Vec3> friction;    ///< [contact points] kPa, on the body
+    std::vector<double> depth_mm;  ///< [contacts] the deepest of their points; 0 without touch
+};
+
+/// Derivatives of a scalar by what a step began with, and by the motion of its obstacles.
+struct ContactGradient {
+    Eigen::VectorXd displacement_before;  ///< [3 num_nodes] per mm
+    std::vector<Vec3> motion_before;      ///< [contacts] per mm
+    std::vector<Vec3> motion;             ///< [contacts] per mm
+    std::vector<Vec3> friction_before;    ///< [contact points] per kPa
+};
+
+/// The contacts of a SolidModel over one step of a load history: forces and stiffness at the
+/// quadrature points of the faces that may touch (`contact_traction`). What friction is limited by
+/// is held between two calls of `renew_limits`, so that forces are a gradient and the stiffness is
+/// symmetric.
+class ContactAssembly {
+public:
+    /// `model` must outlive this object.
+    explicit ContactAssembly(const SolidModel& model);
+    ~ContactAssembly();
+
+    bool is_empty() const;
+    bool has_friction() const;
+    /// Throws Error(invalid_argument) for sizes that do not fit.
+    void begin(const ContactStart& start);
+    /// The obstacles' motion now, [contacts] mm or empty. Throws as `begin` does.
+    void place(const std::vector<Vec3>& motion);
+    /// Limits friction by the pressure at u [3 num_nodes] mm.
+    void renew_limits(const Eigen::VectorXd& u);
+
+    /// Adds energy and forces; not valid where a point sits on an axis or in a centre.
+    void add_force(const Eigen::VectorXd& u, InternalForce& sum) const;
+    /// Adds dF/du with limits held, to a matrix of `SolidAssembly::make_matrix`.
+    void add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
+    /// Adds the transpose of what the limits' following the pressure adds to dF/du.
+    void add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
+    /// With limits as the pressure at u has them.
+    ContactState state(const Eigen::VectorXd& u) const;
+
+    /// d(slope . friction)/du [3 num_nodes]; slope [contact points].
+    Eigen::VectorXd friction_gradient(const Eigen::VectorXd& u,
+                                      const std::vector<Vec3>& slope) const;
+    /// Derivatives of slope . friction + lambda . (contact force on the body) at a held u.
+    ContactGradient start_gradient(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
+                                   const std::vector<Vec3>& slope) const;
+
+private:
+    struct Point;
+    struct Slopes;
+    Vec3 at_point(const Point& point, const Eigen::VectorXd& u) const;
+    Slopes slopes_at(const Point& point, const Eigen::VectorXd& u) const;
+    void add_stiffness(const Point& point, const Mat3& stiffness, BlockMatrix& matrix) const;
+
+    const SolidModel& model_;
+    std::vector<Point> points_;
+    std::vector<Vec3> motion_, motion_before_;
+};
+
+}  // namespace palpate

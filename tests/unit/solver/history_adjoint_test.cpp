@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/adjoint/history_adjoint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "solver/adjoint/solid_adjoint.hpp"
+#include "solver/base/error.hpp"
+#include "tests/fixtures/solid_models.hpp"
+
+namespace palpate {
+namespace {
+
+using fixtures::name_of;
+
+struct History {
+    SolidModel model;
+    std::vector<LoadTime> times;
+};
+
+/// A relaxing body that is pulled, pressed by a rough sphere, dragged and let go a little.
+History touched(SolidModel model) {
+    model.materials[0].relaxation = {{0.8, 0.5}, {0.4, 6.0}};
+    const SolidMesh& mesh = model.mesh;
+    const int up = mesh.formulation == Formulation::solid ? 2 : 1;
+    Contact contact;
+    contact.obstacle.shape = ObstacleShape::sphere;
+    contact.obstacle.radius_mm = 3;
+    contact.obstacle.place = Vec3(1.1, up == 2 ? 0.9 : 5.0, up == 2 ? 5.0 : 0.0);
+    contact.stiffness_kpa_per_mm = 40;
+    contact.slip_stiffness_kpa_per_mm = 25;
+    contact.friction = 0.3;
+    contact.faces = boundary_faces(mesh, [&](Index n) { return mesh.nodes[n][up] > 2 - 1e-9; });
+    model.contacts = {contact};
+    const auto [held, loads] = fixtures::pulled(model);
+    const double drag = mesh.formulation == Formulation::axisymmetric ? 0 : 1;
+    History history{held, {}};
+    const double part[] = {0.3, 1, 0.7}, down[] = {-0.2, -0.3, -0.25}, along[] = {0, 0.15, 0.3};
+    double time_s = 0;
+    for (int i = 0; i < 3; ++i) {
+        SolidLoads at{part[i] * loads.displacement, part[i] * loads.force, {Vec3::Zero()}};
+        at.obstacle_motion[0][up] = down[i];
+        at.obstacle_motion[0].x() = drag * along[i];
+        time_s += 0.4 + 0.5 * i;
+        history.times.push_back({time_s, at});
+    }
+    return history;
+}
+
+Eigen::VectorXd weights(Index dofs, std::size_t i) {
+    Eigen::VectorXd w(dofs);
+    for (Index d = 0; d < dofs; ++d) w[d] = std::cos(0.9 * d + 0.4 * i) / (1 + i);
+    return w;
+}
+
+std::vector<Equilibrium> states_of(const History& history) {
+    EquilibriumOptions options;
+    options.relative_tolerance = 1e-12;
+    return solve_history(history.model, history.times, options);
+}
+
+/// J = sum over times of w . u
+double value_of(const History& history) {
+    const auto states = states_of(history);
+    double sum = 0;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        EXPECT_TRUE(states[i].converged) << states[i].message;
+        sum += weights(history.model.num_dofs(), i).dot(states[i].displacement);
+    }
+    return sum;
+}
+
+double difference(const History& history, double step,
+                  const std::function<double&(History&)>& number) {
+    History up = history, down = history;
+    number(up) += step;
+    number(down) -= step;
+    return (value_of(up) - value_of(down)) / (2 * step);
+}
+
+HistoryGradient gradient_of(const History& history) {
+    std::vector<Eigen::VectorXd> slopes;
+    for (std::size_t i = 0; i < history.times.size(); ++i)
+        slopes.push_back(weights(history.model.num_dofs(), i));
+    return history_gradient(history.model, history.times, states_of(history), slopes);
+}
+
+void expect_gradients(const History& history, const std::string& name) {
+    const HistoryGradient gradient = gradient_of(history);
+    const auto expect = [&](const char* what, double found, double expected) {
+        EXPECT_NEAR(found, expected, 1e-5 * std::abs(expected) + 2e-7) << name << ": " << what;
+    };
+    const SolidMaterial& material = history.model.materials[0];
+    for (std::size_t k = 0; k < material.parameters.size(); ++k)
+        expect("parameter", gradient.parameters[0][k],
+               difference(history, 1e-5 * material.parameters[k], [k](History& h) -> double& {
+                   return h.model.materials[0].parameters[k];
+               }));
+    for (std::size_t k = 0; k < material.relaxation.size(); ++k) {
+        expect("amplitude", gradient.relaxation[0][k].amplitude,
+               difference(history, 1e-5, [k](History& h) -> double& {
+                   return h.model.materials[0].relaxation[k].amplitude;
+               }));
+        expect("time", gradient.relaxation[0][k].time_s,
+               difference(history, 1e-5, [k](History& h) -> double& {
+                   return h.model.materials[0].relaxation[k].time_s;
+               }));
+    }
+    // A load that later times remember.
+    constexpr std::size_t i = 1;
+    const int up = history.model.mesh.formulation == Formulation::solid ? 2 : 1;
+    for (const int axis : {0, up})
+        expect("obstacle", gradient.obstacle_motion[i][0][axis],
+               difference(history, 1e-5, [&](History& h) -> double& {
+                   return h.times[i].loads.obstacle_motion[0][axis];
+               }));
+    Index wall = 0, free = 0;
+    for (Index d = 0; d < history.model.num_dofs(); ++d) {
+        if (history.times[i].loads.displacement[d] != 0) wall = d;
+        if (!history.model.prescribed[d] && d % 7 == 1) free = d;
+    }
+    expect("force", gradient.force[i][free], difference(history, 1e-4, [&](History& h) -> double& {
+               return h.times[i].loads.force[free];
+           }));
+    expect("displacement", gradient.displacement[i][wall],
+           difference(history, 1e-5,
+                      [&](History& h) -> double& { return h.times[i].loads.displacement[wall]; }));
+}
+
+TEST(HistoryAdjoint, GradientsThroughRelaxationAndFrictionAreThoseOfCentralDifferences) {
+    for (const SolidModel& model : fixtures::solid_models()) {
+        const History history = touched(model);
+        const auto states = states_of(history);
+        ASSERT_TRUE(states.size() == 3 && states.back().converged)
+            << name_of(model) << ": " << states.back().message;
+        EXPECT_GT(states[1].contact.force[0].norm(), 0.1) << name_of(model);
+        expect_gradients(history, name_of(model));
+    }
+}
+
+TEST(HistoryAdjoint, OneElasticTimeHasTheGradientOfItsEquilibrium) {
+    const auto [model, loads] = fixtures::pulled(fixtures::solid_models()[2]);
+    const SolidAssembly solid(model);
+    const Eigen::VectorXd slope = weights(model.num_dofs(), 0);
+    const SolidGradient expected =
+        solid_gradient(solid, solve_equilibrium(solid, loads, {}), slope);
+    const auto states = solve_history(model, {{1, loads}}, {});
+    const HistoryGradient found = history_gradient(model, {{1, loads}}, states, {slope});
+    for (std::size_t k = 0; k < expected.parameters[0].size(); ++k)
+        EXPECT_NEAR(found.parameters[0][k], expected.parameters[0][k], 1e-9);
+    EXPECT_LT((found.force[0] - expected.force).norm(), 1e-8 * expected.force.norm());
+    EXPECT_LT((found.displacement[0] - expected.displacement).norm(),
+              1e-8 * expected.displacement.norm());
+}
+
+TEST(HistoryAdjoint, StatesThatDoNotFitAreRefused) {
+    const auto [model, loads] = fixtures::pulled(fixtures::solid_models()[2]);
+    auto states = solve_history(model, {{1, loads}}, {});
+    const Eigen::VectorXd slope = weights(model.num_dofs(), 0);
+    EXPECT_THROW(history_gradient(model, {{1, loads}}, states, {}), Error);
+    EXPECT_THROW(history_gradient(model, {{1, loads}, {2, loads}}, states, {slope, slope}), Error);
+    EXPECT_THROW(history_gradient(model, {{1, loads}}, states, {slope.head(3)}), Error);
+    states[0].converged = false;
+    EXPECT_THROW(history_gradient(model, {{1, loads}}, states, {slope}), Error);
+}
+
+}  // namespace
+}  // namespace palpate
