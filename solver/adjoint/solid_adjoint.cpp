@@ -6,23 +6,25 @@
 
 namespace palpate {
 
-SolidGradient solid_gradient(const SolidAssembly& solid, const Equilibrium& found,
-                             const Eigen::VectorXd& dj_du) {
-    const Eigen::VectorXd& u = found.displacement;
-    if (u.size() != solid.model().num_dofs() || dj_du.size() != u.size())
+void check_gradient_input(const SolidAssembly& solid, const Equilibrium& found, Eigen::Index rows) {
+    if (found.displacement.size() != solid.model().num_dofs() || rows != found.displacement.size())
         throw Error(ErrorCode::invalid_argument,
                     "a displacement and the slope of an objective need 3 numbers per node: " +
                         std::to_string(solid.model().num_dofs()));
     if (!found.tangent)
         throw Error(ErrorCode::unsupported,
-                    "a gradient needs the equilibrium as solve_equilibrium gives it; there is none "
-                    "yet through a load history");
+                    "this gradient needs the equilibrium as solve_equilibrium gives it; states of "
+                    "solve_history have history_gradient");
+}
+
+SolidGradient solid_gradient(const SolidAssembly& solid, const Equilibrium& found,
+                             const Eigen::VectorXd& dj_du) {
+    check_gradient_input(solid, found, dj_du.size());
+    const Eigen::VectorXd& u = found.displacement;
     TangentSolve& tangent = *found.tangent;
     Eigen::VectorXd lambda;
     if (!tangent.solve_at(u, dj_du, lambda))
-        throw Error(ErrorCode::solve_failed,
-                    "the tangent at the equilibrium is not positive definite, so its gradient is "
-                    "not defined; the body is not stable there");
+        throw Error(ErrorCode::solve_failed, no_gradient_where_unstable);
     SolidGradient gradient;
     gradient.parameters = solid.parameter_products(u, lambda);
     for (auto& material : gradient.parameters)

@@ -17,9 +17,17 @@ struct SolidGradient {
     Eigen::VectorXd displacement;  ///< [3 num_nodes] per mm at prescribed dofs (total), 0 elsewhere
 };
 
-/// One solve with the tangent at an equilibrium u, K_ff lambda = (dJ/du)_f, lambda = 0 on
+inline constexpr const char* no_gradient_where_unstable =
+    "the tangent at the equilibrium is not positive definite, so its gradient is not defined; the "
+    "body is not stable there";
+
+/// Throws Error(invalid_argument) for slopes with the wrong number of rows, Error(unsupported) for
+/// an equilibrium without its tangent.
+void check_gradient_input(const SolidAssembly& solid, const Equilibrium& found, Eigen::Index rows);
+
+/// One solve with the tangent at an equilibrium u, K_ff^T lambda = (dJ/du)_f, lambda = 0 on
 /// prescribed dofs; then
-///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - K_pf lambda.
+///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - (K^T lambda)_p.
 ///   found   from `solve_equilibrium` with `solid`; its factor is used again
 ///   dj_du   [3 num_nodes] partial derivative of J
 /// Throws Error(invalid_argument) for a wrong size, Error(unsupported) for a state of

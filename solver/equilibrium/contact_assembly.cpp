@@ -72,6 +72,8 @@ ContactAssembly::~ContactAssembly() = default;
 
 bool ContactAssembly::is_empty() const { return points_.empty(); }
 
+Index ContactAssembly::num_points() const { return static_cast<Index>(points_.size()); }
+
 bool ContactAssembly::has_friction() const {
     return std::any_of(model_.contacts.begin(), model_.contacts.end(),
                        [](const Contact& contact) { return contact.friction > 0; });
@@ -185,7 +187,8 @@ void ContactAssembly::add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix)
     }
 }
 
-void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& matrix) const {
+void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, bool is_transposed,
+                                      BlockMatrix& matrix) const {
     if (!has_friction()) return;
     for (const Point& point : points_) {
         const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
@@ -194,8 +197,23 @@ void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& mat
                                            variables(point.friction_before, 6), point.limit);
         const Mat3 missing =
             slopes_at(point, u).friction.leftCols<3>() - rates(held.friction).leftCols<3>();
-        if (!missing.isZero(0)) add_stiffness(point, -missing.transpose(), matrix);
+        const Mat3 turned = is_transposed ? Mat3(missing.transpose()) : missing;
+        if (!missing.isZero(0)) add_stiffness(point, -turned, matrix);
     }
+}
+
+Eigen::VectorXd ContactAssembly::largest_stiffness() const {
+    Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(model_.mesh.num_nodes());
+    for (const Point& point : points_) {
+        const Contact& contact = model_.contacts[point.contact];
+        double most = contact.stiffness_kpa_per_mm;
+        if (contact.friction > 0) most = std::max(most, contact.slip_stiffness_kpa_per_mm);
+        double sum = 0;
+        for (std::size_t a = 0; a < point.face->size(); ++a) sum += std::abs(point.value[a]);
+        for (std::size_t a = 0; a < point.face->size(); ++a)
+            stiffness[(*point.face)[a]] += point.area * most * std::abs(point.value[a]) * sum;
+    }
+    return stiffness;
 }
 
 ContactState ContactAssembly::state(const Eigen::VectorXd& u) const {

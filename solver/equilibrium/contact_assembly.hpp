@@ -45,6 +45,7 @@ public:
 
     bool is_empty() const;
     bool has_friction() const;
+    Index num_points() const;
     /// Throws Error(invalid_argument) for sizes that do not fit.
     void begin(const ContactStart& start);
     /// The obstacles' motion now, [contacts] mm or empty. Throws as `begin` does.
@@ -56,8 +57,11 @@ public:
     void add_force(const Eigen::VectorXd& u, InternalForce& sum) const;
     /// Adds dF/du with limits held, to a matrix of `SolidAssembly::make_matrix`.
     void add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
-    /// Adds the transpose of what the limits' following the pressure adds to dF/du.
-    void add_limit_rates(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
+    /// Adds what the limits' following the pressure adds to dF/du, or the transpose of that.
+    void add_limit_rates(const Eigen::VectorXd& u, bool is_transposed, BlockMatrix& matrix) const;
+    /// What all contacts can add to the stiffness of each node at most, as if all touched: mN/mm
+    /// [num_nodes].
+    Eigen::VectorXd largest_stiffness() const;
     /// With limits as the pressure at u has them.
     ContactState state(const Eigen::VectorXd& u) const;
 

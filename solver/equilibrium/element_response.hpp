@@ -106,6 +106,23 @@ void add_parameter_products(const SolidModel& model, const LawAt& law_at,
     });
 }
 
+/// df/dp for parameter k of the law: force[a] of every node of the element, mN per unit.
+template <class LawAt>
+void parameter_force(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
+                     const Eigen::VectorXd& u, int k, std::span<Vec3> force) {
+    with_response(model, law_at, element, u, [&](const auto& response) {
+        if (!response.is_valid()) return;
+        PointTensors change;
+        for (std::size_t q = 0; q < element.geometry.size(); ++q)
+            change[q] = response.law(q).parameter_stress(response.state(q), k);
+        response.pull_back(change);
+        for (std::size_t q = 0; q < element.geometry.size(); ++q)
+            for (std::size_t a = 0; a < element.nodes.size(); ++a)
+                force[a] +=
+                    element.geometry[q].volume * force_on(change[q], element.geometry[q], a);
+    });
+}
+
 /// H of every point as its law has it.
 template <class LawAt>
 void law_gradients(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,

@@ -19,21 +19,6 @@ constexpr double largest_shift = 20;
 constexpr int most_friction_rounds = 200;
 constexpr double near_enough = 1e-2;  // relative residual from which old factors are tried
 
-void check_loads(const SolidAssembly& solid, const SolidLoads& loads) {
-    const Index dofs = solid.model().num_dofs();
-    if (loads.displacement.size() != dofs || loads.force.size() != dofs)
-        throw Error(ErrorCode::invalid_argument,
-                    "displacements and forces need 3 numbers per node: " + std::to_string(dofs));
-    const std::size_t contacts = solid.model().contacts.size();
-    if (!loads.obstacle_motion.empty() && loads.obstacle_motion.size() != contacts)
-        throw Error(ErrorCode::invalid_argument,
-                    "obstacles move by one vector each: " + std::to_string(contacts) + ", not " +
-                        std::to_string(loads.obstacle_motion.size()));
-    if (!loads.displacement.allFinite() || !loads.force.allFinite())
-        throw Error(ErrorCode::invalid_argument,
-                    "a prescribed displacement or force is not a finite number");
-}
-
 void check_options(const EquilibriumOptions& options) {
     const bool has_steps = options.smallest_step > 0 &&
                            options.smallest_step <= options.first_step && options.first_step <= 1;
@@ -261,10 +246,29 @@ Equilibrium EquilibriumSolve::run() {
 
 }  // namespace
 
+void check_loads(const SolidModel& model, const SolidLoads& loads) {
+    const Index dofs = model.num_dofs();
+    if (loads.displacement.size() != dofs || loads.force.size() != dofs)
+        throw Error(ErrorCode::invalid_argument,
+                    "displacements and forces need 3 numbers per node: " + std::to_string(dofs));
+    const std::size_t contacts = model.contacts.size();
+    if (!loads.obstacle_motion.empty() && loads.obstacle_motion.size() != contacts)
+        throw Error(ErrorCode::invalid_argument,
+                    "obstacles move by one vector each: " + std::to_string(contacts) + ", not " +
+                        std::to_string(loads.obstacle_motion.size()));
+    for (const Vec3& by : loads.obstacle_motion)
+        if (!by.allFinite())
+            throw Error(ErrorCode::invalid_argument,
+                        "the motion of an obstacle is not a finite number");
+    if (!loads.displacement.allFinite() || !loads.force.allFinite())
+        throw Error(ErrorCode::invalid_argument,
+                    "a prescribed displacement or force is not a finite number");
+}
+
 Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& loads,
                               const EquilibriumOptions& options, const EquilibriumStart& start,
                               const ProgressSink& progress) {
-    check_loads(solid, loads);
+    check_loads(solid.model(), loads);
     check_options(options);
     const auto fits = [&](const Eigen::VectorXd& given) {
         return given.size() == 0 || (given.size() == loads.force.size() && given.allFinite());

@@ -21,6 +21,9 @@ struct SolidLoads {
     std::vector<Vec3> obstacle_motion = {};
 };
 
+/// Throws Error(invalid_argument) for sizes that do not fit the model and numbers not finite.
+void check_loads(const SolidModel& model, const SolidLoads& loads);
+
 struct EquilibriumOptions {
     /// Of the residual at free dofs, against the norm of the internal forces or of the applied
     /// ones, whichever is larger.

@@ -226,6 +226,28 @@ std::vector<std::vector<double>> SolidAssembly::parameter_products(
     return slopes.parameters();
 }
 
+std::vector<Eigen::MatrixXd> SolidAssembly::parameter_forces(const Eigen::VectorXd& u) const {
+    const Tables& tables = *tables_;
+    std::vector<Eigen::MatrixXd> forces;
+    for (const SolidMaterial& material : tables.model.materials)
+        forces.emplace_back(
+            Eigen::MatrixXd::Zero(u.size(), static_cast<Eigen::Index>(material.parameters.size())));
+    tables.for_each_element([&](Index e) {
+        const ElementPoints points = tables.points_of(e);
+        Eigen::MatrixXd& sum = forces[tables.model.mesh.region[e]];
+        tables.with_laws(e, [&](const auto& law_at) {
+            for (Eigen::Index k = 0; k < sum.cols(); ++k) {
+                std::array<Vec3, most_element_nodes> force;
+                force.fill(Vec3::Zero());
+                parameter_force(tables.model, law_at, points, u, static_cast<int>(k), force);
+                for (std::size_t a = 0; a < points.nodes.size(); ++a)
+                    sum.col(k).segment<3>(3 * points.nodes[a]) += force[a];
+            }
+        });
+    });
+    return forces;
+}
+
 void SolidAssembly::set_viscous_step(std::vector<double> factor,
                                      std::vector<Tensor3<double>> prestress) {
     if (factor.size() != tables_->model.materials.size() ||

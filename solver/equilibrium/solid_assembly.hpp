@@ -56,6 +56,8 @@ public:
     /// per unit of the parameter. lambda [3 num_nodes] mm.
     std::vector<std::vector<double>> parameter_products(const Eigen::VectorXd& u,
                                                         const Eigen::VectorXd& lambda) const;
+    /// df/dp at u: one matrix [3 num_nodes, parameters] per material, mN per unit of the parameter.
+    std::vector<Eigen::MatrixXd> parameter_forces(const Eigen::VectorXd& u) const;
     /// Derivative by u of the sum over points of slope : S, S as `elastic_stress` has it; [3
     /// num_nodes].
     Eigen::VectorXd elastic_stress_gradient(const Eigen::VectorXd& u,

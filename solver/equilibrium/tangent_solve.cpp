@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/equilibrium/tangent_solve.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
+#include "solver/model/block_product.hpp"
 
 namespace palpate {
 
@@ -42,65 +46,101 @@ bool TangentSolve::factorise(const Eigen::VectorXd& u, double shift) {
     return true;
 }
 
+/// x_f = K_ff^-1 right_f; other rows of x stay.
+void TangentSolve::apply_factor(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) const {
+    const auto columns = static_cast<Index>(right.cols());
+    const Index width = factor_->block_width(columns);
+    const std::vector<int>& position = factor_->position();
+    for (Index first = 0; first < columns; first += width) {
+        const Index count = std::min(width, columns - first);
+        FactorBlock block(free_.count, width);
+        for (Eigen::Index d = 0; d < right.rows(); ++d)
+            if (free_.number[d] >= 0)
+                for (Index c = 0; c < count; ++c)
+                    block.row(position[free_.number[d]])[c] = right(d, first + c);
+        factor_->solve(block);
+        for (Eigen::Index d = 0; d < right.rows(); ++d)
+            if (free_.number[d] >= 0)
+                for (Index c = 0; c < count; ++c)
+                    x(d, first + c) = block.row(position[free_.number[d]])[c];
+    }
+}
+
 void TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
     if (free_.count == 0) return;
     for (Eigen::Index d = 0; d < x.size(); ++d)
         if (free_.number[d] >= 0) x[d] = 0;
     Eigen::VectorXd right = r;
     if (!x.isZero(0)) right -= times(x);
-    FactorBlock block(free_.count, factor_->block_width(1));
-    const std::vector<int>& position = factor_->position();
-    for (Eigen::Index d = 0; d < r.size(); ++d)
-        if (free_.number[d] >= 0) *block.row(position[free_.number[d]]) = right[d];
-    factor_->solve(block);
-    for (Eigen::Index d = 0; d < r.size(); ++d)
-        if (free_.number[d] >= 0) x[d] = *block.row(position[free_.number[d]]);
+    apply_factor(right, x);
 }
 
-Eigen::VectorXd TangentSolve::times(const Eigen::VectorXd& x) const {
-    using Block = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
-    const Adjacency& graph = matrix_.graph;
-    for (Index n = 0; n < matrix_.num_rows(); ++n)
-        for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
-            y.segment<3>(3 * n) += Block(matrix_.block(k)) * x.segment<3>(3 * graph.items[k]);
-    return y;
+Eigen::MatrixXd TangentSolve::times(const Eigen::MatrixXd& x) const {
+    return palpate::times(matrix_, x);
 }
 
 /// Iterative refinement with a factor that may be another tangent's, or one with the limits of
 /// friction held: then it goes as slowly as those were found. False if it does not get there.
-bool TangentSolve::refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
+bool TangentSolve::refine(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> x) const {
     constexpr double tolerance = 1e-12;
     const double slowest = contact_.has_friction() ? 0.99 : 0.5;
     const int most_steps = contact_.has_friction() ? 500 : 20;
-    Eigen::VectorXd left = r;
-    for (Eigen::Index d = 0; d < r.size(); ++d)
-        if (free_.number[d] < 0) left[d] = 0;
-    const Eigen::VectorXd right = left;
-    double before = left.norm();
-    x.setZero(r.size());
-    for (int step = 0; step < most_steps && left.norm() > tolerance * right.norm(); ++step) {
-        Eigen::VectorXd change = Eigen::VectorXd::Zero(r.size());
-        solve(left, change);
+    const auto keep_free = [&](Eigen::MatrixXd& left) {
+        for (Eigen::Index d = 0; d < left.rows(); ++d)
+            if (free_.number[d] < 0) left.row(d).setZero();
+    };
+    Eigen::MatrixXd left = r;
+    keep_free(left);
+    const Eigen::RowVectorXd right = left.colwise().norm();
+    const auto worst = [&] {
+        double part = 0;
+        for (Eigen::Index c = 0; c < left.cols(); ++c)
+            if (right[c] > 0) part = std::max(part, left.col(c).norm() / right[c]);
+        return part;
+    };
+    x.setZero();
+    if (free_.count == 0) return true;
+    double before = worst();
+    for (int step = 0; step < most_steps && before > tolerance; ++step) {
+        Eigen::MatrixXd change = Eigen::MatrixXd::Zero(r.rows(), r.cols());
+        apply_factor(left, change);
         x += change;
-        left = right - times(x);
-        for (Eigen::Index d = 0; d < r.size(); ++d)
-            if (free_.number[d] < 0) left[d] = 0;
-        if (!(left.norm() <= slowest * before)) break;
-        before = left.norm();
+        left = r - times(x);
+        keep_free(left);
+        const double now = worst();
+        if (!(now <= slowest * before)) break;
+        before = now;
     }
-    return left.norm() <= 1e3 * tolerance * right.norm();
+    return worst() <= 1e3 * tolerance;
+}
+
+bool TangentSolve::refine_columns(const Eigen::MatrixXd& r, Eigen::MatrixXd& x) const {
+    x.resize(r.rows(), r.cols());
+    std::atomic<bool> is_solved{true};
+    parallel_ranges(static_cast<Index>(r.cols()), 1, [&](Index begin, Index end) {
+        if (!refine(r.middleCols(begin, end - begin), x.middleCols(begin, end - begin)))
+            is_solved = false;
+    });
+    return is_solved;
 }
 
 bool TangentSolve::solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r,
                             Eigen::VectorXd& x) {
+    Eigen::MatrixXd columns;
+    if (!solve_columns_at(u, r, columns)) return false;
+    x = columns.col(0);
+    return true;
+}
+
+bool TangentSolve::solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r,
+                                    Eigen::MatrixXd& x, bool is_transposed) {
     if (is_factorised_ && !contact_.has_friction()) {
         fill_matrix(u);
-        if (refine(r, x)) return true;
+        if (refine_columns(r, x)) return true;
     }
     if (!factorise(u)) return false;
-    contact_.add_limit_rates(u, matrix_);
-    return refine(r, x);
+    contact_.add_limit_rates(u, is_transposed, matrix_);
+    return refine_columns(r, x);
 }
 
 double TangentSolve::force_of_rounding(const Eigen::VectorXd& u) const {

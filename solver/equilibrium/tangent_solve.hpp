@@ -30,6 +30,10 @@ public:
     /// worst 1e-9; here the limits of friction follow the pressure, so K is not symmetric. The last
     /// factor serves if it is near enough, else a new one is made. False if that fails.
     bool solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r, Eigen::VectorXd& x);
+    /// The same for many right-hand sides R [3 num_nodes, columns], side by side; `is_transposed`
+    /// false: with K instead of K^T.
+    bool solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r, Eigen::MatrixXd& x,
+                          bool is_transposed = true);
     /// Why the last factorisation failed.
     const std::string& failure() const { return failure_; }
     /// A norm of forces that says nothing: what rounding of u leaves of K u.
@@ -37,11 +41,13 @@ public:
     /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.
     void solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
     /// K x with all rows and columns, [3 num_nodes]; after `solve_at` K^T x.
-    Eigen::VectorXd times(const Eigen::VectorXd& x) const;
+    Eigen::MatrixXd times(const Eigen::MatrixXd& x) const;
 
 private:
     void fill_matrix(const Eigen::VectorXd& u);
-    bool refine(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
+    void apply_factor(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) const;
+    bool refine(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> x) const;
+    bool refine_columns(const Eigen::MatrixXd& r, Eigen::MatrixXd& x) const;
 
     const SolidAssembly& solid_;
     ContactAssembly contact_;

@@ -8,6 +8,7 @@
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/contact_assembly.hpp"
 #include "solver/equilibrium/contact_traction.hpp"
+#include "solver/model/block_product.hpp"
 #include "tests/fixtures/solid_models.hpp"
 
 namespace palpate {
@@ -113,16 +114,6 @@ InternalForce force_at(const ContactAssembly& contact, const Eigen::VectorXd& u)
     return sum;
 }
 
-Eigen::VectorXd product(const BlockMatrix& matrix, const Eigen::VectorXd& x) {
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
-    for (Index n = 0; n < matrix.num_rows(); ++n)
-        for (Index k = matrix.graph.offsets[n]; k < matrix.graph.offsets[n + 1]; ++k)
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j)
-                    y[3 * n + i] += matrix.block(k)[3 * i + j] * x[3 * matrix.graph.items[k] + j];
-    return y;
-}
-
 Eigen::VectorXd direction_of(const Eigen::VectorXd& u) {
     Eigen::VectorXd v(u.size());
     for (Index d = 0; d < v.size(); ++d) v[d] = std::cos(0.7 * d);
@@ -153,9 +144,10 @@ TEST(Contact, StiffnessIsTheSlopeOfTheForce) {
         contact.place(pressed.motion);
         contact.renew_limits(pressed.u);
         const SolidAssembly solid(pressed.model);
-        BlockMatrix held = solid.make_matrix(), rates = solid.make_matrix();
+        BlockMatrix held = solid.make_matrix(), rates = held, transposed = held;
         contact.add_tangent(pressed.u, held);
-        contact.add_limit_rates(pressed.u, rates);
+        contact.add_limit_rates(pressed.u, false, rates);
+        contact.add_limit_rates(pressed.u, true, transposed);
         const Eigen::VectorXd v = direction_of(pressed.u);
         constexpr double step = 1e-6;
         const auto slope = [&](bool renews) {
@@ -169,10 +161,12 @@ TEST(Contact, StiffnessIsTheSlopeOfTheForce) {
             return result;
         };
         const Eigen::VectorXd expected = slope(false), all = slope(true);
-        EXPECT_LT((product(held, v) - expected).norm(), 1e-6 * expected.norm()) << name;
-        // add_limit_rates gives the transpose: w . R v = v . R^T w
+        EXPECT_LT((times(held, v) - expected).norm(), 1e-6 * expected.norm()) << name;
+        EXPECT_LT((times(rates, v) - (all - expected)).norm(), 1e-5 * all.norm()) << name;
         const Eigen::VectorXd w = direction_of(0.5 * pressed.u).reverse();
-        EXPECT_NEAR(product(rates, w).dot(v), w.dot(all - expected), 1e-5 * all.norm()) << name;
+        EXPECT_NEAR(v.dot(times(transposed, w).col(0)), w.dot(times(rates, v).col(0)),
+                    1e-9 * all.norm())
+            << name;
     });
 }
 
