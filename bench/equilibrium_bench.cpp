@@ -3,12 +3,14 @@
 // How long does equilibrium at large deformation take? A box of 35k tetrahedra, neo-Hookean with a
 // stiff inclusion, compressed by 10 % between plates that hold it. Figures in docs/performance.md.
 //   tangent      assembling the stiffness once
-//   equilibrium  from rest to the full load
+//   equilibrium  from rest to the full load; /multigrid, /jacobi: with conjugate gradients on each
+//                back end in single precision instead of a factorisation
 //   gradient     of a sum of displacements by every parameter, force and prescribed displacement
 #include <benchmark/benchmark.h>
 
 #include "bench/solid_problem.hpp"
 #include "solver/adjoint/solid_adjoint.hpp"
+#include "solver/backend/registry.hpp"
 #include "solver/equilibrium/newton.hpp"
 
 namespace palpate {
@@ -16,7 +18,8 @@ namespace {
 
 using bench::compressed_box;
 using Size = bench::SolidSize;
-constexpr Size sizes[] = {bench::small_solid, bench::seed_size_solid, bench::quadratic_solid};
+constexpr Size sizes[] = {bench::small_solid, bench::seed_size_solid, bench::large_solid,
+                          bench::quadratic_solid};
 
 void tangent(benchmark::State& state, const Size& size) {
     const auto work = compressed_box(size);
@@ -26,10 +29,12 @@ void tangent(benchmark::State& state, const Size& size) {
     for (auto _ : state) solid.tangent(u, matrix);
 }
 
-void equilibrium(benchmark::State& state, const Size& size) {
+void equilibrium(benchmark::State& state, const Size& size, const MatrixSolverOptions& linear) {
     const auto work = compressed_box(size);
+    EquilibriumOptions options;
+    options.linear = linear;
     for (auto _ : state) {
-        const Equilibrium found = solve_equilibrium(SolidAssembly(work.model), work.loads, {});
+        const Equilibrium found = solve_equilibrium(SolidAssembly(work.model), work.loads, options);
         if (!found.converged) state.SkipWithError(found.message.c_str());
         state.counters["newton_steps"] = static_cast<double>(found.records.size());
         state.counters["relative_residual"] = found.relative_residual;
@@ -49,6 +54,14 @@ void gradient(benchmark::State& state, const Size& size) {
     }
 }
 
+void add_equilibria(const std::string& name, const MatrixSolverOptions& linear) {
+    for (const Size& size : sizes)
+        benchmark::RegisterBenchmark(("equilibrium/" + name + "/" + size.name).c_str(), equilibrium,
+                                     size, linear)
+            ->Unit(benchmark::kMillisecond)
+            ->UseRealTime();
+}
+
 template <typename Run>
 void add(const char* name, Run run) {
     for (const Size& size : sizes)
@@ -62,7 +75,12 @@ void add(const char* name, Run run) {
 
 int main(int argc, char** argv) {
     palpate::add("tangent", palpate::tangent);
-    palpate::add("equilibrium", palpate::equilibrium);
+    palpate::add_equilibria("direct", {});
+    for (const palpate::BackendEntry& entry : palpate::backend_registry())
+        for (const auto method : {palpate::LinearMethod::multigrid, palpate::LinearMethod::jacobi})
+            if (entry.name != "reference")
+                palpate::add_equilibria(entry.name + "/" + palpate::name_of(method),
+                                        {.method = method, .backend = entry.name});
     palpate::add("gradient", palpate::gradient);
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();

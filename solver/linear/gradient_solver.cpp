@@ -153,7 +153,7 @@ std::vector<double> GradientSolver::inverse_diagonal() const {
     for (Index n = 0; n < constrained_.num_rows(); ++n)
         for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k)
             if (graph.items[k] == n)
-                Eigen::Map<Mat3>(&inverse[9 * static_cast<std::size_t>(n)]) =
+                Eigen::Map<Mat3>(inverse.data() + 9 * static_cast<std::size_t>(n)) =
                     Eigen::Map<const Mat3>(constrained_.block(k)).inverse();
     return inverse;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "solver/base/error.hpp"
 #include "solver/linear/free_dofs.hpp"
 #include "solver/linear/sparse_factor.hpp"
 

@@ -16,7 +16,7 @@ namespace palpate {
 /// How a tangent is solved with.
 struct MatrixSolverOptions {
     LinearMethod method = LinearMethod::direct;  ///< `automatic`: by size
-    std::string direct_library;                  ///< of a factorisation, see `make_sparse_factor`
+    std::string direct_library = {};             ///< of a factorisation, see `make_sparse_factor`
     std::string backend = "opencl";              ///< where conjugate gradients run
     BackendOptions device = {};
     double relative_tolerance = 1e-4;  ///< of conjugate gradients; Newton's method refines
