@@ -6,7 +6,9 @@
 // of the law, COLUMN_WIDTH columns.
 //   u       [3 num_nodes] mm, the state
 //   x       [3 num_nodes, num_columns] mm
-//   forces  [num_elements, NODES_PER_ELEMENT, 3, num_pass_columns] mN, slots of the work item's own
+//   forces  [num_elements, NODES_PER_ELEMENT, 3, num_pass_columns] mN, slots of the work item's
+//   own; zero
+//           where a point is not valid
 // Other buffers as in solid_force.cl; gather_to_nodes.cl is the other half.
 PALPATE_KERNEL void solid_product(global const real* coefficients, global const int* list,
                                   int num_items, global const int* elements,
@@ -23,13 +25,15 @@ PALPATE_KERNEL void solid_product(global const real* coefficients, global const 
     vector3 force[NODES_PER_ELEMENT];
     for (int a = 0; a < NODES_PER_ELEMENT; ++a)
         for (int i = 0; i < 3; ++i) force[a].c[i] = (columns)(0);
+    int is_valid = 1;
     for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
         global const real* point = point_of(points, element, q);
         const law_state s = state_at(&law, nodes, point, u);
+        is_valid = is_valid && s.is_valid;
         const tensor3 dh =
             direction_gradient(nodes, point, x, num_columns, (size_t)first_column + pass_column);
         const tensor3 dp = law_tangent_apply(&law, &s, &dh);
-        const real volume = s.is_valid ? point[VOLUME_AT] : (real)0;
+        const real volume = point[VOLUME_AT];
         for (int a = 0; a < NODES_PER_ELEMENT; ++a) {
             for (int i = 0; i < 3; ++i)
                 force[a].c[i] +=
@@ -43,6 +47,7 @@ PALPATE_KERNEL void solid_product(global const real* coefficients, global const 
     for (int a = 0; a < NODES_PER_ELEMENT; ++a)
         for (int i = 0; i < 3; ++i) {
             const size_t slot = 3 * (NODES_PER_ELEMENT * element + a) + i;
-            STORE_COLUMNS(force[a].c[i], forces + slot * num_pass_columns + pass_column);
+            const columns value = is_valid ? force[a].c[i] : (columns)(0);
+            STORE_COLUMNS(value, forces + slot * num_pass_columns + pass_column);
         }
 }

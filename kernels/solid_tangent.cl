@@ -3,7 +3,7 @@
 //
 // Stiffness blocks of elements at large deformation, K_ab = sum over points of V dH/du_a A dH/du_b
 // with the moduli A = dP/dH. One work item: one element of the law, which alone writes its blocks.
-// Points that are not valid add nothing.
+// Elements with a point that is not valid add nothing.
 //   blocks  [num_elements, NODES_PER_ELEMENT, NODES_PER_ELEMENT, 9] mN/mm, row by row
 // Other buffers as in solid_force.cl. COLUMN_WIDTH: how many entries of H are changed at a time.
 
@@ -20,7 +20,7 @@ static inline void moduli_of(const material_law* law, const law_state* s, real* 
         for (int r = 0; r < 9; ++r) {
             STORE_COLUMNS(changes.m[r], lanes);
             for (int k = 0; k < COLUMN_WIDTH && first + k < 9; ++k)
-                moduli[9 * (first + k) + r] = s->is_valid ? lanes[k] : (real)0;
+                moduli[9 * (first + k) + r] = lanes[k];
         }
     }
 }
@@ -49,9 +49,11 @@ PALPATE_KERNEL void solid_tangent(global const real* coefficients, global const 
     global const int* nodes = elements + NODES_PER_ELEMENT * element;
     const material_law law = load_law(coefficients, region[element]);
     global real* own = blocks + 9 * NODES_PER_ELEMENT * NODES_PER_ELEMENT * element;
+    int is_valid = 1;
     for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
         global const real* point = point_of(points, element, q);
         const law_state s = state_at(&law, nodes, point, u);
+        is_valid = is_valid && s.is_valid;
         real moduli[81];
         moduli_of(&law, &s, moduli);
         for (int b = 0; b < NODES_PER_ELEMENT; ++b)
@@ -66,4 +68,6 @@ PALPATE_KERNEL void solid_tangent(global const real* coefficients, global const 
                     }
             }
     }
+    for (int k = 0; k < 9 * NODES_PER_ELEMENT * NODES_PER_ELEMENT; ++k)
+        if (!is_valid) own[k] = 0;
 }

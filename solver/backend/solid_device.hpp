@@ -27,7 +27,7 @@ public:
 
     virtual SolidForce internal_force(std::span<const double> u) = 0;
     /// K = dF/du at u, mN/mm, symmetric, into the blocks of `matrix`, whose pattern is `node_graph`
-    /// of the mesh. Points that are not valid add nothing.
+    /// of the mesh. Elements with a point that is not valid add nothing.
     virtual void tangent(std::span<const double> u, BlockMatrix& matrix) = 0;
     /// From now on `apply` multiplies with K at u.
     virtual void linearise(std::span<const double> u) = 0;

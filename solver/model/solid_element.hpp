@@ -26,54 +26,99 @@ struct SolidLayout {
     PALPATE_DEVICE int reals_per_point() const { return num_nodes * (has_hoop ? 4 : 3) + 1; }
 };
 
+/// One point of an element: see `PointGeometry`.
+template <typename Real>
+struct SolidPoint {
+    int num_nodes;
+    const Real* gradient;  ///< [num_nodes, 3]
+    const Real* hoop;      ///< [num_nodes], or null
+    Real volume;
+};
+
 template <typename Real>
 struct SolidElement {
     const Index* nodes;  ///< [num_nodes]
     const Real* points;  ///< [num_points, reals_per_point]
     SolidLayout layout;
 
-    PALPATE_DEVICE const Real* gradient(int q) const {
-        return points + q * layout.reals_per_point();
-    }
-    PALPATE_DEVICE Real volume(int q) const { return gradient(q)[3 * layout.num_nodes]; }
-    PALPATE_DEVICE Real hoop(int q, int a) const {
-        return layout.has_hoop ? gradient(q)[3 * layout.num_nodes + 1 + a] : Real(0);
+    PALPATE_DEVICE SolidPoint<Real> point(int q) const {
+        const Real* const gradient = points + q * layout.reals_per_point();
+        const Real* const volume = gradient + 3 * layout.num_nodes;
+        return {layout.num_nodes, gradient, layout.has_hoop ? volume + 1 : nullptr, *volume};
     }
 };
 
 /// H at a point of one column of u. Gradients add up to zero, so the element's own translation is
 /// taken off first: in fp32 it would cost digits.
+///   nodes  [num_nodes] of the element
 template <typename Real>
-PALPATE_DEVICE Tensor3<Real> displacement_gradient(const SolidElement<Real>& element, int q,
-                                                   const Real* u, std::int64_t columns = 1) {
+PALPATE_DEVICE Tensor3<Real> displacement_gradient(const SolidPoint<Real>& point,
+                                                   const Index* nodes, const Real* u,
+                                                   std::int64_t columns = 1) {
     Tensor3<Real> h{};
-    const Real* const gradient = element.gradient(q);
-    const Real* const origin = u + 3 * element.nodes[0] * columns;
-    for (int a = 1; a < element.layout.num_nodes; ++a) {
-        const Real* const here = u + 3 * element.nodes[a] * columns;
+    const Real* const origin = u + 3 * nodes[0] * columns;
+    for (int a = 1; a < point.num_nodes; ++a) {
+        const Real* const here = u + 3 * nodes[a] * columns;
         for (int i = 0; i < 3; ++i) {
             const Real difference = here[i * columns] - origin[i * columns];
-            for (int j = 0; j < 3; ++j) h.m[3 * i + j] += difference * gradient[3 * a + j];
+            for (int j = 0; j < 3; ++j) h.m[3 * i + j] += difference * point.gradient[3 * a + j];
         }
     }
-    if (element.layout.has_hoop)
-        for (int a = 0; a < element.layout.num_nodes; ++a)
-            h.m[8] += u[3 * element.nodes[a] * columns] * element.hoop(q, a);
+    if (point.hoop)
+        for (int a = 0; a < point.num_nodes; ++a)
+            h.m[8] += u[3 * nodes[a] * columns] * point.hoop[a];
     return h;
 }
 
 /// force[a, i] += volume P : dH/du_ai for all nodes a of the element, [num_nodes, 3].
 template <typename Real>
-PALPATE_DEVICE void add_force(const SolidElement<Real>& element, int q, const Tensor3<Real>& stress,
+PALPATE_DEVICE void add_force(const SolidPoint<Real>& point, const Tensor3<Real>& stress,
                               Real* force) {
-    const Real* const gradient = element.gradient(q);
-    const Real volume = element.volume(q);
-    for (int a = 0; a < element.layout.num_nodes; ++a) {
+    const Real* const gradient = point.gradient;
+    for (int a = 0; a < point.num_nodes; ++a) {
         for (int i = 0; i < 3; ++i)
-            force[3 * a + i] += volume * (stress.m[3 * i] * gradient[3 * a] +
-                                          stress.m[3 * i + 1] * gradient[3 * a + 1] +
-                                          stress.m[3 * i + 2] * gradient[3 * a + 2]);
-        force[3 * a] += volume * stress.m[8] * element.hoop(q, a);
+            force[3 * a + i] += point.volume * (stress.m[3 * i] * gradient[3 * a] +
+                                                stress.m[3 * i + 1] * gradient[3 * a + 1] +
+                                                stress.m[3 * i + 2] * gradient[3 * a + 2]);
+        if (point.hoop) force[3 * a] += point.volume * stress.m[8] * point.hoop[a];
+    }
+}
+
+/// Adds to blocks [num_nodes, num_nodes, 3, 3] what a point gives to the stiffness.
+///   moduli  [9] dP by each entry of H
+template <typename Real>
+PALPATE_DEVICE void add_stiffness(const SolidPoint<Real>& point, const Tensor3<Real>* moduli,
+                                  Real* blocks) {
+    const Real* const gradient = point.gradient;
+    const int n = point.num_nodes;
+    for (int b = 0; b < n; ++b)
+        for (int j = 0; j < 3; ++j) {
+            Tensor3<Real> stress;  // dP by u_bj
+            for (int r = 0; r < 9; ++r)
+                stress.m[r] = point.volume * (moduli[3 * j].m[r] * gradient[3 * b] +
+                                              moduli[3 * j + 1].m[r] * gradient[3 * b + 1] +
+                                              moduli[3 * j + 2].m[r] * gradient[3 * b + 2]);
+            if (point.hoop && j == 0)
+                for (int r = 0; r < 9; ++r)
+                    stress.m[r] += point.volume * moduli[8].m[r] * point.hoop[b];
+            for (int a = 0; a < n; ++a) {
+                Real* const column = blocks + 9 * (a * n + b) + j;
+                for (int i = 0; i < 3; ++i)
+                    column[3 * i] += stress.m[3 * i] * gradient[3 * a] +
+                                     stress.m[3 * i + 1] * gradient[3 * a + 1] +
+                                     stress.m[3 * i + 2] * gradient[3 * a + 2];
+                if (point.hoop) column[0] += stress.m[8] * point.hoop[a];
+            }
+        }
+}
+
+/// Writes moduli [9], dP by each entry of H. `tangent_apply`: dP of a dH.
+template <typename Real, class TangentApply>
+PALPATE_DEVICE void moduli_of(const TangentApply& tangent_apply, Tensor3<Real>* moduli) {
+    for (int c = 0; c < 9; ++c) {
+        Tensor3<Real> unit{};
+        unit.m[c] = 1;
+        moduli[c] = tangent_apply(unit);
     }
 }
 
@@ -86,88 +131,56 @@ PALPATE_DEVICE Real element_force(const Law& law, const SolidElement<Real>& elem
     for (int k = 0; k < size; ++k) force[k] = 0;
     Real energy = 0;
     for (int q = 0; q < element.layout.num_points; ++q) {
-        const auto state = law.state(displacement_gradient(element, q, u));
+        const SolidPoint<Real> point = element.point(q);
+        const auto state = law.state(displacement_gradient(point, element.nodes, u));
         if (!state.is_valid) {
             for (int k = 0; k < size; ++k) force[k] = 0;
             return Real(HUGE_VAL);
         }
-        energy += element.volume(q) * law.energy(state);
-        add_force(element, q, law.stress(state), force);
+        energy += point.volume * law.energy(state);
+        add_force(point, law.stress(state), force);
     }
     return energy;
 }
 
-/// Adds to blocks [num_nodes, num_nodes, 3, 3] what a point with the moduli dP = sum over c of
-/// moduli[c] dH_c gives to the stiffness.
-template <typename Real>
-PALPATE_DEVICE void add_stiffness(const SolidElement<Real>& element, int q,
-                                  const Tensor3<Real>* moduli, Real* blocks) {
-    const Real* const gradient = element.gradient(q);
-    const Real volume = element.volume(q);
-    const int n = element.layout.num_nodes;
-    for (int b = 0; b < n; ++b)
-        for (int j = 0; j < 3; ++j) {
-            Tensor3<Real> stress;  // dP by u_bj
-            for (int r = 0; r < 9; ++r)
-                stress.m[r] = volume * (moduli[3 * j].m[r] * gradient[3 * b] +
-                                        moduli[3 * j + 1].m[r] * gradient[3 * b + 1] +
-                                        moduli[3 * j + 2].m[r] * gradient[3 * b + 2]);
-            if (j == 0)
-                for (int r = 0; r < 9; ++r)
-                    stress.m[r] += volume * moduli[8].m[r] * element.hoop(q, b);
-            for (int a = 0; a < n; ++a) {
-                Real* const column = blocks + 9 * (a * n + b) + j;
-                for (int i = 0; i < 3; ++i)
-                    column[3 * i] += stress.m[3 * i] * gradient[3 * a] +
-                                     stress.m[3 * i + 1] * gradient[3 * a + 1] +
-                                     stress.m[3 * i + 2] * gradient[3 * a + 2];
-                column[0] += stress.m[8] * element.hoop(q, a);
-            }
-        }
-}
-
-/// The moduli of a state: moduli[c] is dP by entry c of H.
-template <class Law, typename Real>
-PALPATE_DEVICE void moduli_of(const Law& law, const typename Law::State& state,
-                              Tensor3<Real>* moduli) {
-    for (int c = 0; c < 9; ++c) {
-        Tensor3<Real> unit{};
-        unit.m[c] = 1;
-        moduli[c] = law.tangent_apply(state, unit);
-    }
-}
-
-/// Writes blocks [num_nodes, num_nodes, 3, 3], mN/mm. Points that are not valid add nothing.
+/// Writes blocks [num_nodes, num_nodes, 3, 3], mN/mm; zeros where a point is not valid.
 template <class Law, typename Real>
 PALPATE_DEVICE void element_tangent(const Law& law, const SolidElement<Real>& element,
                                     const Real* u, Real* blocks) {
-    const int n = element.layout.num_nodes;
-    for (int k = 0; k < 9 * n * n; ++k) blocks[k] = 0;
+    const int size = 9 * element.layout.num_nodes * element.layout.num_nodes;
+    for (int k = 0; k < size; ++k) blocks[k] = 0;
     Tensor3<Real> moduli[9];
     for (int q = 0; q < element.layout.num_points; ++q) {
-        const auto state = law.state(displacement_gradient(element, q, u));
-        if (!state.is_valid) continue;
-        moduli_of(law, state, moduli);
-        add_stiffness(element, q, moduli, blocks);
+        const SolidPoint<Real> point = element.point(q);
+        const auto state = law.state(displacement_gradient(point, element.nodes, u));
+        if (!state.is_valid) {
+            for (int k = 0; k < size; ++k) blocks[k] = 0;
+            return;
+        }
+        moduli_of([&](const Tensor3<Real>& dh) { return law.tangent_apply(state, dh); }, moduli);
+        add_stiffness(point, moduli, blocks);
     }
 }
 
-/// Writes forces [num_nodes, 3, columns] of K(u) x for all columns of x.
+/// Writes forces [num_nodes, 3, columns] of K(u) x for all columns of x; zeros where a point is not
+/// valid.
 template <class Law, typename Real>
 PALPATE_DEVICE void element_product(const Law& law, const SolidElement<Real>& element,
                                     const Real* u, const Real* x, std::int64_t columns,
                                     Real* forces) {
     typename Law::State states[most_element_points];
-    for (int q = 0; q < element.layout.num_points; ++q)
-        states[q] = law.state(displacement_gradient(element, q, u));
+    bool is_valid = true;
+    for (int q = 0; q < element.layout.num_points; ++q) {
+        states[q] = law.state(displacement_gradient(element.point(q), element.nodes, u));
+        is_valid = is_valid && states[q].is_valid;
+    }
     for (std::int64_t c = 0; c < columns; ++c) {
         Real force[3 * most_element_nodes] = {};
-        for (int q = 0; q < element.layout.num_points; ++q)
-            if (states[q].is_valid)
-                add_force(
-                    element, q,
-                    law.tangent_apply(states[q], displacement_gradient(element, q, x + c, columns)),
-                    force);
+        for (int q = 0; q < element.layout.num_points && is_valid; ++q) {
+            const SolidPoint<Real> point = element.point(q);
+            const auto dh = displacement_gradient(point, element.nodes, x + c, columns);
+            add_force(point, law.tangent_apply(states[q], dh), force);
+        }
         for (int k = 0; k < 3 * element.layout.num_nodes; ++k) forces[k * columns + c] = force[k];
     }
 }
@@ -179,10 +192,11 @@ PALPATE_DEVICE Real element_parameter_product(const Law& law, const SolidElement
                                               const Real* u, const Real* lambda, int k) {
     Real sum = 0;
     for (int q = 0; q < element.layout.num_points; ++q) {
-        const auto state = law.state(displacement_gradient(element, q, u));
+        const SolidPoint<Real> point = element.point(q);
+        const auto state = law.state(displacement_gradient(point, element.nodes, u));
         if (!state.is_valid) return 0;
-        sum += element.volume(q) * double_dot(law.parameter_stress(state, k),
-                                              displacement_gradient(element, q, lambda));
+        sum += point.volume * double_dot(law.parameter_stress(state, k),
+                                         displacement_gradient(point, element.nodes, lambda));
     }
     return sum;
 }
