@@ -3,10 +3,14 @@
 // How long does equilibrium at large deformation take? A box of 35k tetrahedra, neo-Hookean with a
 // stiff inclusion, compressed by 10 % between plates that hold it. Figures in docs/performance.md.
 //   tangent      assembling the stiffness once
-//   equilibrium  from rest to the full load; /multigrid, /jacobi: with conjugate gradients on each
-//                back end in single precision instead of a factorisation
+//   equilibrium  from rest to the full load
 //   gradient     of a sum of displacements by every parameter, force and prescribed displacement
+// direct: with a factorisation; multigrid, jacobi: with conjugate gradients on each back end, fp32.
 #include <benchmark/benchmark.h>
+
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "bench/solid_problem.hpp"
 #include "solver/adjoint/solid_adjoint.hpp"
@@ -42,30 +46,35 @@ void equilibrium(benchmark::State& state, const Size& size, const MatrixSolverOp
     state.counters["dofs"] = work.model.num_dofs();
 }
 
-void gradient(benchmark::State& state, const Size& size) {
+void gradient(benchmark::State& state, const Size& size, const MatrixSolverOptions& linear) {
     const auto work = compressed_box(size);
     const SolidAssembly solid(work.model);
     const Eigen::VectorXd slope = Eigen::VectorXd::Ones(work.model.num_dofs());
+    EquilibriumOptions options;
+    options.linear = linear;
     for (auto _ : state) {
         state.PauseTiming();
-        const Equilibrium found = solve_equilibrium(solid, work.loads, {});
+        const Equilibrium found = solve_equilibrium(solid, work.loads, options);
         state.ResumeTiming();
         benchmark::DoNotOptimize(solid_gradient(solid, found, slope).force.sum());
     }
 }
 
-void add_equilibria(const std::string& name, const MatrixSolverOptions& linear) {
-    for (const Size& size : sizes)
-        benchmark::RegisterBenchmark(("equilibrium/" + name + "/" + size.name).c_str(), equilibrium,
-                                     size, linear)
-            ->Unit(benchmark::kMillisecond)
-            ->UseRealTime();
+/// With a factorisation, and with conjugate gradients on each back end.
+std::vector<std::pair<std::string, MatrixSolverOptions>> solvers() {
+    std::vector<std::pair<std::string, MatrixSolverOptions>> list{{"direct", {}}};
+    for (const BackendEntry& entry : backend_registry())
+        for (const LinearMethod method : {LinearMethod::multigrid, LinearMethod::jacobi})
+            if (entry.name != "reference")
+                list.push_back({entry.name + "/" + name_of(method),
+                                {.method = method, .backend = entry.name}});
+    return list;
 }
 
-template <typename Run>
-void add(const char* name, Run run) {
+template <typename Run, typename... Options>
+void add(const std::string& name, Run run, const Options&... options) {
     for (const Size& size : sizes)
-        benchmark::RegisterBenchmark((std::string(name) + "/" + size.name).c_str(), run, size)
+        benchmark::RegisterBenchmark((name + "/" + size.name).c_str(), run, size, options...)
             ->Unit(benchmark::kMillisecond)
             ->UseRealTime();
 }
@@ -75,13 +84,10 @@ void add(const char* name, Run run) {
 
 int main(int argc, char** argv) {
     palpate::add("tangent", palpate::tangent);
-    palpate::add_equilibria("direct", {});
-    for (const palpate::BackendEntry& entry : palpate::backend_registry())
-        for (const auto method : {palpate::LinearMethod::multigrid, palpate::LinearMethod::jacobi})
-            if (entry.name != "reference")
-                palpate::add_equilibria(entry.name + "/" + palpate::name_of(method),
-                                        {.method = method, .backend = entry.name});
-    palpate::add("gradient", palpate::gradient);
+    for (const auto& [name, linear] : palpate::solvers()) {
+        palpate::add("equilibrium/" + name, palpate::equilibrium, linear);
+        palpate::add("gradient/" + name, palpate::gradient, linear);
+    }
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
 }

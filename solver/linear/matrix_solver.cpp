@@ -13,7 +13,7 @@ namespace {
 
 /// Where factorising begins to take longer than conjugate gradients, measured through PoCL on two
 /// cores (docs/performance.md).
-constexpr Index most_direct_dofs = 50000;
+constexpr Index most_direct_dofs = 3000;
 
 class FactorSolver final : public MatrixSolver {
 public:
