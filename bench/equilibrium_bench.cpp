@@ -5,36 +5,25 @@
 //   tangent      assembling the stiffness once
 //   equilibrium  from rest to the full load
 //   gradient     of a sum of displacements by every parameter, force and prescribed displacement
+// direct: with a factorisation; multigrid, jacobi: with conjugate gradients on each back end, fp32.
 #include <benchmark/benchmark.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "bench/solid_problem.hpp"
 #include "solver/adjoint/solid_adjoint.hpp"
+#include "solver/backend/registry.hpp"
 #include "solver/equilibrium/newton.hpp"
-#include "solver/model/quadratic_mesh.hpp"
-#include "tests/fixtures/meshes.hpp"
-#include "tests/fixtures/solid_models.hpp"
 
 namespace palpate {
 namespace {
 
-struct Size {
-    const char* name;
-    bool is_quadratic;
-    Index cells;
-};
-constexpr Size sizes[] = {{"small", false, 4}, {"seed_size", false, 18}, {"tet10", true, 9}};
-
-fixtures::LoadedModel compressed_box(const Size& size) {
-    const Index cells = size.cells;
-    Mesh box = fixtures::box_mesh({cells, cells, cells}, Vec3(60, 60, 60));
-    fixtures::set_inclusion(box, [](const Vec3& x) { return (x - Vec3(30, 30, 30)).norm() < 15; });
-    SolidMesh mesh = solid_mesh_of(box);
-    if (size.is_quadratic) mesh = with_edge_nodes(mesh);
-    SolidModel model = fixtures::solid_model(mesh, {"neo-hookean", {10, 0.35}});
-    model.materials.push_back({"neo-hookean", {90, 0.40}});
-    return fixtures::between_plates(std::move(model), Vec3(0, 0, -6));
-}
+using bench::compressed_box;
+using Size = bench::SolidSize;
+constexpr Size sizes[] = {bench::small_solid, bench::seed_size_solid, bench::large_solid,
+                          bench::quadratic_solid};
 
 void tangent(benchmark::State& state, const Size& size) {
     const auto work = compressed_box(size);
@@ -44,10 +33,12 @@ void tangent(benchmark::State& state, const Size& size) {
     for (auto _ : state) solid.tangent(u, matrix);
 }
 
-void equilibrium(benchmark::State& state, const Size& size) {
+void equilibrium(benchmark::State& state, const Size& size, const MatrixSolverOptions& linear) {
     const auto work = compressed_box(size);
+    EquilibriumOptions options;
+    options.linear = linear;
     for (auto _ : state) {
-        const Equilibrium found = solve_equilibrium(SolidAssembly(work.model), work.loads, {});
+        const Equilibrium found = solve_equilibrium(SolidAssembly(work.model), work.loads, options);
         if (!found.converged) state.SkipWithError(found.message.c_str());
         state.counters["newton_steps"] = static_cast<double>(found.records.size());
         state.counters["relative_residual"] = found.relative_residual;
@@ -55,22 +46,35 @@ void equilibrium(benchmark::State& state, const Size& size) {
     state.counters["dofs"] = work.model.num_dofs();
 }
 
-void gradient(benchmark::State& state, const Size& size) {
+void gradient(benchmark::State& state, const Size& size, const MatrixSolverOptions& linear) {
     const auto work = compressed_box(size);
     const SolidAssembly solid(work.model);
     const Eigen::VectorXd slope = Eigen::VectorXd::Ones(work.model.num_dofs());
+    EquilibriumOptions options;
+    options.linear = linear;
     for (auto _ : state) {
         state.PauseTiming();
-        const Equilibrium found = solve_equilibrium(solid, work.loads, {});
+        const Equilibrium found = solve_equilibrium(solid, work.loads, options);
         state.ResumeTiming();
         benchmark::DoNotOptimize(solid_gradient(solid, found, slope).force.sum());
     }
 }
 
-template <typename Run>
-void add(const char* name, Run run) {
+/// With a factorisation, and with conjugate gradients on each back end.
+std::vector<std::pair<std::string, MatrixSolverOptions>> solvers() {
+    std::vector<std::pair<std::string, MatrixSolverOptions>> list{{"direct", {}}};
+    for (const BackendEntry& entry : backend_registry())
+        for (const LinearMethod method : {LinearMethod::multigrid, LinearMethod::jacobi})
+            if (entry.name != "reference")
+                list.push_back({entry.name + "/" + name_of(method),
+                                {.method = method, .backend = entry.name}});
+    return list;
+}
+
+template <typename Run, typename... Options>
+void add(const std::string& name, Run run, const Options&... options) {
     for (const Size& size : sizes)
-        benchmark::RegisterBenchmark((std::string(name) + "/" + size.name).c_str(), run, size)
+        benchmark::RegisterBenchmark((name + "/" + size.name).c_str(), run, size, options...)
             ->Unit(benchmark::kMillisecond)
             ->UseRealTime();
 }
@@ -80,8 +84,10 @@ void add(const char* name, Run run) {
 
 int main(int argc, char** argv) {
     palpate::add("tangent", palpate::tangent);
-    palpate::add("equilibrium", palpate::equilibrium);
-    palpate::add("gradient", palpate::gradient);
+    for (const auto& [name, linear] : palpate::solvers()) {
+        palpate::add("equilibrium/" + name, palpate::equilibrium, linear);
+        palpate::add("gradient/" + name, palpate::gradient, linear);
+    }
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
 }

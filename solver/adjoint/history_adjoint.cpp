@@ -64,7 +64,10 @@ private:
 HistoryAdjoint::HistoryAdjoint(const SolidModel& model, const std::vector<LoadTime>& times,
                                const std::vector<Equilibrium>& states,
                                const std::string& direct_library)
-    : times_(times), states_(states), solid_(model), tangent_(solid_, direct_library) {
+    : times_(times),
+      states_(states),
+      solid_(model),
+      tangent_(solid_, {.direct_library = direct_library}) {
     remember();
     by_displacement_ = Eigen::VectorXd::Zero(model.num_dofs());
     by_motion_.assign(model.contacts.size(), Vec3::Zero());

@@ -9,8 +9,10 @@
 
 #include "solver/backend/device_operator.hpp"
 #include "solver/backend/device_vector.hpp"
+#include "solver/backend/solid_device.hpp"
 #include "solver/model/block_matrix.hpp"
 #include "solver/model/model.hpp"
+#include "solver/model/solid_model.hpp"
 
 namespace palpate {
 
@@ -137,6 +139,11 @@ public:
     /// stiffness of region r (unconstrained): dK/dE_r = K_r.
     virtual void parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
                                     std::span<double> gradient) = 0;
+
+    /// The element loops of large deformation for `model` (copied), beside the prepared one.
+    /// Throws Error(invalid_argument) as `check_model` does, Error(unsupported) for what this back
+    /// end has no loops for.
+    virtual std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) = 0;
 
     /// Returns when everything asked for has been done.
     virtual void wait() = 0;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "solver/base/tensor3.hpp"
+#include "solver/model/solid_element.hpp"
 #include "solver/model/solid_model.hpp"
 
 namespace palpate {
@@ -20,17 +21,15 @@ struct ElementPoints {
 /// One tensor per point of an element.
 using PointTensors = std::array<Tensor3<double>, most_element_points>;
 
+inline SolidPoint<double> point_of(const ElementPoints& element, const PointGeometry& at) {
+    return {static_cast<int>(element.nodes.size()), at.gradient[0].data(), at.hoop.data(),
+            at.volume};
+}
+
 /// H at one point of the displacement u [3 num_nodes].
 inline Tensor3<double> displacement_gradient(const ElementPoints& element, const PointGeometry& at,
                                              const Eigen::VectorXd& u) {
-    Tensor3<double> h{};
-    for (std::size_t a = 0; a < element.nodes.size(); ++a) {
-        const double* ua = u.data() + 3 * static_cast<std::size_t>(element.nodes[a]);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) h.m[3 * i + j] += ua[i] * at.gradient[a][j];
-        h.m[8] += ua[0] * at.hoop[a];
-    }
-    return h;
+    return displacement_gradient(point_of(element, at), element.nodes.data(), u.data());
 }
 
 /// dH by component j of node b.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <span>
@@ -21,8 +22,8 @@ struct ElementForce {
     std::array<Vec3, most_element_nodes> force;
 };
 
-using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor,
-                                       3 * most_element_nodes, 3 * most_element_nodes>;
+/// [nodes, nodes, 3, 3]
+using ElementStiffness = std::array<double, 9 * most_element_nodes * most_element_nodes>;
 
 /// Calls `work` with the response of the element that formulation and volume treatment ask for.
 /// `law_at(q)`: the law of point q.
@@ -57,32 +58,49 @@ ElementForce element_force(const SolidModel& model, const LawAt& law_at,
         PointTensors stress;
         response.stress(stress);
         for (std::size_t q = 0; q < element.geometry.size(); ++q)
-            for (std::size_t a = 0; a < element.nodes.size(); ++a)
-                result.force[a] +=
-                    element.geometry[q].volume * force_on(stress[q], element.geometry[q], a);
+            add_force(point_of(element, element.geometry[q]), stress[q], result.force[0].data());
     });
     return result;
+}
+
+/// Points that know nothing of each other: from the nine moduli of each.
+template <class PointResponse>
+void add_stiffness(const Pointwise<PointResponse>& response, const ElementPoints& element,
+                   ElementStiffness& stiffness) {
+    Tensor3<double> moduli[9];
+    for (std::size_t q = 0; q < element.geometry.size(); ++q) {
+        moduli_of([&](const Tensor3<double>& dh) { return response.tangent_apply_at(q, dh); },
+                  moduli);
+        add_stiffness(point_of(element, element.geometry[q]), moduli, stiffness.data());
+    }
+}
+
+/// Any response: from the forces that each dof's displacement gives rise to.
+template <class Response>
+void add_stiffness(const Response& response, const ElementPoints& element,
+                   ElementStiffness& stiffness) {
+    const std::size_t n = element.nodes.size();
+    PointTensors direction, change;
+    for (std::size_t b = 0; b < n; ++b)
+        for (int j = 0; j < 3; ++j) {
+            for (std::size_t q = 0; q < element.geometry.size(); ++q)
+                direction[q] = unit_gradient(element.geometry[q], b, j);
+            response.tangent_apply(direction, change);
+            double forces[3 * most_element_nodes] = {};
+            for (std::size_t q = 0; q < element.geometry.size(); ++q)
+                add_force(point_of(element, element.geometry[q]), change[q], forces);
+            for (std::size_t a = 0; a < n; ++a)
+                for (int i = 0; i < 3; ++i)
+                    stiffness[9 * (a * n + b) + 3 * i + j] = forces[3 * a + i];
+        }
 }
 
 template <class LawAt>
 void element_tangent(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
                      const Eigen::VectorXd& u, ElementStiffness& stiffness) {
-    const auto size = static_cast<Eigen::Index>(3 * element.nodes.size());
-    stiffness.setZero(size, size);
+    std::fill_n(stiffness.data(), 9 * element.nodes.size() * element.nodes.size(), 0.0);
     with_response(model, law_at, element, u, [&](const auto& response) {
-        if (!response.is_valid()) return;
-        PointTensors direction, change;
-        for (std::size_t b = 0; b < element.nodes.size(); ++b)
-            for (int j = 0; j < 3; ++j) {
-                for (std::size_t q = 0; q < element.geometry.size(); ++q)
-                    direction[q] = unit_gradient(element.geometry[q], b, j);
-                response.tangent_apply(direction, change);
-                for (std::size_t q = 0; q < element.geometry.size(); ++q)
-                    for (std::size_t a = 0; a < element.nodes.size(); ++a)
-                        stiffness.block<3, 1>(3 * a, 3 * b + j) +=
-                            element.geometry[q].volume *
-                            force_on(change[q], element.geometry[q], a);
-            }
+        if (response.is_valid()) add_stiffness(response, element, stiffness);
     });
 }
 

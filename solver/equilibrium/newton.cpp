@@ -38,7 +38,7 @@ public:
           options_(options),
           start_(start),
           progress_(progress),
-          tangent_(std::make_shared<TangentSolve>(solid, options.direct_library)) {}
+          tangent_(std::make_shared<TangentSolve>(solid, options.linear)) {}
 
     Equilibrium run();
 
@@ -63,7 +63,7 @@ private:
                load * (loads_.displacement[dof] - start_.displacement[dof]);
     }
     double relative_residual(const State& state, double load) const;
-    bool factorise(const Eigen::VectorXd& u);
+    bool find_change(const State& state, const Eigen::VectorXd& r, Eigen::VectorXd& change);
     bool reach(double load, State& state);
     bool settle(double load, State& state);
     bool settle_friction(double load, State& state);
@@ -111,12 +111,15 @@ double EquilibriumSolve::relative_residual(const State& state, double load) cons
            std::max({state.inner.force.norm(), state.inner.contact_force, std::sqrt(applied)});
 }
 
-/// The tangent, shifted where it is not positive definite: then still a way down.
-bool EquilibriumSolve::factorise(const Eigen::VectorXd& u) {
-    is_shifted_ = !tangent_->factorise(u);
-    if (!is_shifted_) return true;
-    for (double shift = 1e-3; shift < largest_shift; shift *= 4)
-        if (tangent_->factorise(u, shift)) return true;
+/// The change that the tangent at a state makes of r and of what it holds at prescribed dofs; the
+/// tangent is shifted where it is not positive definite: then still a way down.
+bool EquilibriumSolve::find_change(const State& state, const Eigen::VectorXd& r,
+                                   Eigen::VectorXd& change) {
+    is_shifted_ = false;
+    for (double shift = 0; shift < largest_shift; shift = is_shifted_ ? 4 * shift : 1e-3) {
+        is_shifted_ = shift > 0;
+        if (tangent_->factorise(state.u, shift) && tangent_->solve(r, change)) return true;
+    }
     failure_ = tangent_->failure();
     return false;
 }
@@ -127,8 +130,7 @@ bool EquilibriumSolve::advance_walls(double load, State& state) {
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
     for (Eigen::Index d = 0; d < change.size(); ++d)
         if (solid_.model().prescribed[d]) change[d] = displacement_at(d, load) - state.u[d];
-    if (!factorise(state.u)) return false;
-    if (!change.isZero(0)) tangent_->solve(Eigen::VectorXd::Zero(change.size()), change);
+    if (!find_change(state, Eigen::VectorXd::Zero(change.size()), change)) return false;
     State next = state_at(state.u + change, load);
     if (!next.inner.is_valid) {
         failure_ = "matter inverts";
@@ -162,7 +164,7 @@ double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
 bool EquilibriumSolve::take_chord_step(double load, State& state) {
     if (is_shifted_) return false;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
-    tangent_->solve(state.residual, change);
+    if (!tangent_->solve(state.residual, change)) return false;
     State next = state_at(state.u + change, load);
     if (!next.inner.is_valid || next.residual.norm() > 0.1 * state.residual.norm()) return false;
     records_.back().step_length = 1;
@@ -200,9 +202,9 @@ bool EquilibriumSolve::settle(double load, State& state) {
         }
         if (residual < near_enough && take_chord_step(load, state)) continue;
         failure_ = fmt::format("{} Newton steps were not enough", options_.max_newton_steps);
-        if (step == options_.max_newton_steps || !factorise(state.u)) return false;
+        if (step == options_.max_newton_steps) return false;
         Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
-        tangent_->solve(state.residual, change);
+        if (!find_change(state, state.residual, change)) return false;
         records_.back().step_length = search_line(load, change, state);
         failure_ = "no step lowers the energy without inverting matter";
         if (records_.back().step_length == 0) return false;

@@ -31,7 +31,7 @@ struct EquilibriumOptions {
     int max_newton_steps = 60;    ///< per load step
     double first_step = 1.0;      ///< part of the load that is tried first
     double smallest_step = 1e-3;  ///< below it the solve gives up
-    std::string direct_library;   ///< of the factorisation, see `make_sparse_factor`
+    MatrixSolverOptions linear;   ///< how the tangent is solved with
 };
 
 /// One Newton step, for tables and plots.
@@ -65,7 +65,7 @@ struct EquilibriumStart {
 };
 
 /// Static equilibrium f(u) = force at free dofs, u = displacement at prescribed ones, by Newton's
-/// method on a sparse factorisation of the tangent. The prescribed dofs move first and the others
+/// method on the tangent. The prescribed dofs move first and the others
 /// as the tangent says; then a line search keeps matter from inverting, and the total energy
 /// (stored less the work of the forces) from growing unless that halves the residual. Where the
 /// tangent is not positive definite it is shifted until it is. Friction follows from the slip

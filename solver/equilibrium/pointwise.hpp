@@ -36,6 +36,10 @@ public:
     void stress(PointTensors& p) const {
         for (std::size_t q = 0; q < count_; ++q) p[q] = points_[q]->stress();
     }
+    /// dP at one point.
+    Tensor3<double> tangent_apply_at(std::size_t q, const Tensor3<double>& dh) const {
+        return points_[q]->tangent_apply(dh);
+    }
     /// dP for changes dH of the points' displacement gradients.
     void tangent_apply(const PointTensors& dh, PointTensors& dp) const {
         for (std::size_t q = 0; q < count_; ++q) dp[q] = points_[q]->tangent_apply(dh[q]);

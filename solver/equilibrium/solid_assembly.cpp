@@ -207,8 +207,7 @@ void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const
         for (std::size_t a = 0; a < n; ++a)
             for (std::size_t b = 0; b < n; ++b) {
                 double* block = matrix.block(tables.blocks[(e * n + a) * n + b]);
-                for (int i = 0; i < 3; ++i)
-                    for (int j = 0; j < 3; ++j) block[3 * i + j] += stiffness(3 * a + i, 3 * b + j);
+                for (int k = 0; k < 9; ++k) block[k] += stiffness[9 * (a * n + b) + k];
             }
     });
 }

@@ -6,18 +6,18 @@
 #include <atomic>
 #include <cmath>
 
-#include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/model/block_product.hpp"
 
 namespace palpate {
 
-TangentSolve::TangentSolve(const SolidAssembly& solid, const std::string& library)
+TangentSolve::TangentSolve(const SolidAssembly& solid, const MatrixSolverOptions& options)
     : solid_(solid),
       contact_(solid.model()),
       matrix_(solid.make_matrix()),
       free_(number_free_dofs(matrix_.graph, solid.model().prescribed)),
-      factor_(make_sparse_factor(library)) {}
+      solver_(make_matrix_solver(
+          {solid.model().mesh.nodes, solid.model().prescribed, matrix_.graph}, options)) {}
 
 void TangentSolve::fill_matrix(const Eigen::VectorXd& u) {
     solid_.tangent(u, matrix_);
@@ -26,53 +26,16 @@ void TangentSolve::fill_matrix(const Eigen::VectorXd& u) {
 
 bool TangentSolve::factorise(const Eigen::VectorXd& u, double shift) {
     fill_matrix(u);
-    if (free_.count == 0) return true;
-    SparseFactor::Lower lower = free_lower(matrix_, free_);
-    if (shift > 0) {
-        const double size = lower.diagonal().cwiseAbs().mean();
-        for (Index k = 0; k < free_.count; ++k) lower.coeffRef(k, k) += shift * size;
-    }
-    if (!is_analysed_) factor_->analyse(lower);
-    is_analysed_ = true;
-    is_factorised_ = false;
-    try {
-        factor_->factorise(lower);
-        is_factorised_ = true;
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::solve_failed) throw;
-        failure_ = error.what();
-        return false;
-    }
-    return true;
+    is_factorised_ = solver_->set(matrix_, shift);
+    return is_factorised_;
 }
 
-/// x_f = K_ff^-1 right_f; other rows of x stay.
-void TangentSolve::apply_factor(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) const {
-    const auto columns = static_cast<Index>(right.cols());
-    const Index width = factor_->block_width(columns);
-    const std::vector<int>& position = factor_->position();
-    for (Index first = 0; first < columns; first += width) {
-        const Index count = std::min(width, columns - first);
-        FactorBlock block(free_.count, width);
-        for (Eigen::Index d = 0; d < right.rows(); ++d)
-            if (free_.number[d] >= 0)
-                for (Index c = 0; c < count; ++c)
-                    block.row(position[free_.number[d]])[c] = right(d, first + c);
-        factor_->solve(block);
-        for (Eigen::Index d = 0; d < right.rows(); ++d)
-            if (free_.number[d] >= 0)
-                for (Index c = 0; c < count; ++c)
-                    x(d, first + c) = block.row(position[free_.number[d]])[c];
-    }
-}
-
-void TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
-    if (free_.count == 0) return;
+bool TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
     for (Eigen::Index d = 0; d < x.size(); ++d)
         if (free_.number[d] >= 0) x[d] = 0;
     Eigen::VectorXd right = r;
     if (!x.isZero(0)) right -= times(x);
-    apply_factor(right, x);
+    return solver_->solve(right, x);
 }
 
 Eigen::MatrixXd TangentSolve::times(const Eigen::MatrixXd& x) const {
@@ -103,7 +66,7 @@ bool TangentSolve::refine(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> 
     double before = worst();
     for (int step = 0; step < most_steps && before > tolerance; ++step) {
         Eigen::MatrixXd change = Eigen::MatrixXd::Zero(r.rows(), r.cols());
-        apply_factor(left, change);
+        if (!solver_->solve(left, change)) return false;
         x += change;
         left = r - times(x);
         keep_free(left);

@@ -9,16 +9,16 @@
 #include "solver/equilibrium/contact_assembly.hpp"
 #include "solver/equilibrium/solid_assembly.hpp"
 #include "solver/linear/free_dofs.hpp"
-#include "solver/linear/sparse_factor.hpp"
+#include "solver/linear/matrix_solver.hpp"
 
 namespace palpate {
 
-/// The tangent K of a SolidAssembly and its contacts, factorised on the free dofs at one
-/// displacement after the other; the pattern is analysed once.
+/// The tangent K of a SolidAssembly and its contacts, to be solved with on the free dofs at one
+/// displacement after the other, by a factor or by conjugate gradients (`MatrixSolver`).
 class TangentSolve {
 public:
-    /// `library`: of the factor, see `make_sparse_factor`. `solid` must outlive this object.
-    TangentSolve(const SolidAssembly& solid, const std::string& library);
+    /// `solid` must outlive this object.
+    TangentSolve(const SolidAssembly& solid, const MatrixSolverOptions& options);
 
     const FreeDofs& free() const { return free_; }
     ContactAssembly& contact() { return contact_; }
@@ -34,18 +34,18 @@ public:
     /// false: with K instead of K^T.
     bool solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r, Eigen::MatrixXd& x,
                           bool is_transposed = true);
-    /// Why the last factorisation failed.
-    const std::string& failure() const { return failure_; }
+    /// Why the last factorisation or solve failed.
+    const std::string& failure() const { return solver_->failure(); }
     /// A norm of forces that says nothing: what rounding of u leaves of K u.
     double force_of_rounding(const Eigen::VectorXd& u) const;
     /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.
-    void solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
+    /// False if that shows K not to be positive definite, or is not found.
+    bool solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const;
     /// K x with all rows and columns, [3 num_nodes]; after `solve_at` K^T x.
     Eigen::MatrixXd times(const Eigen::MatrixXd& x) const;
 
 private:
     void fill_matrix(const Eigen::VectorXd& u);
-    void apply_factor(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) const;
     bool refine(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> x) const;
     bool refine_columns(const Eigen::MatrixXd& r, Eigen::MatrixXd& x) const;
 
@@ -53,10 +53,8 @@ private:
     ContactAssembly contact_;
     BlockMatrix matrix_;
     FreeDofs free_;
-    std::unique_ptr<SparseFactor> factor_;
-    bool is_analysed_ = false;
+    std::unique_ptr<MatrixSolver> solver_;
     bool is_factorised_ = false;
-    std::string failure_;
 };
 
 }  // namespace palpate

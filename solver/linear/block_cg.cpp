@@ -35,11 +35,12 @@ Index padded_columns(Index columns) {
     return (columns + 15) / 16 * 16;
 }
 
-BlockCg::BlockCg(Backend& backend, Preconditioner& preconditioner)
-    : backend_(backend), preconditioner_(preconditioner) {}
+BlockCg::BlockCg(Backend& backend, const DeviceOperator& matrix, Preconditioner& preconditioner,
+                 Curvature curvature)
+    : backend_(backend), matrix_(matrix), preconditioner_(preconditioner), curvature_(curvature) {}
 
 std::unique_ptr<BlockCg::Workspace> BlockCg::make_workspace(Index columns) {
-    const Index rows = backend_.stiffness().rows();
+    const Index rows = matrix_.rows();
     auto w = std::make_unique<Workspace>();
     for (auto* vector : {&w->x, &w->r, &w->z, &w->p, &w->q})
         *vector = backend_.make_vector(rows, columns);
@@ -84,7 +85,8 @@ public:
         precondition_and_turn();  // from no direction: p = z
         int next_look = std::min(first_look, max_iterations);
         for (int iteration = 1;; ++iteration) {
-            backend_.apply(backend_.stiffness(), *w_->p, *w_->q, w_->pq.get());
+            backend_.apply(cg_.matrix_, *w_->p, *w_->q, w_->pq.get());
+            if (cg_.curvature_ == Curvature::watched && is_not_positive()) return iteration;
             backend_.advance(*w_->rz[now_], *w_->pq, *w_->rr[rr_now_], *w_->limit, *w_->p, *w_->q,
                              *w_->x, *w_->r, *w_->rr[1 - rr_now_]);
             rr_now_ = 1 - rr_now_;
@@ -115,6 +117,18 @@ private:
         cg_.preconditioner_.apply(*w_->r, *w_->z, *w_->rz[1 - now_]);
         backend_.turn(*w_->rz[1 - now_], *w_->rz[now_], *w_->z, *w_->p);
         now_ = 1 - now_;
+    }
+
+    /// Whether the present directions show that K or its preconditioner is not positive definite.
+    bool is_not_positive() {
+        std::vector<double> pq(w_->x->columns()), rz = pq, rr = pq;
+        backend_.read(*w_->pq, pq);
+        backend_.read(*w_->rz[now_], rz);
+        backend_.read(*w_->rr[rr_now_], rr);
+        for (Index s = 0; s < num_slots(); ++s)
+            if (rr[s] > limit_[column_of_[s]] && !(pq[s] > 0 && rz[s] > 0))
+                cg_.met_negative_curvature_ = true;
+        return cg_.met_negative_curvature_;
     }
 
     void write_limits() {
@@ -210,6 +224,7 @@ private:
 
 int BlockCg::solve(const Columns& r, std::span<const double> target, int max_iterations,
                    Columns& dx) {
+    met_negative_curvature_ = false;
     Run run(*this, r, target);
     const int iterations = run.iterate(max_iterations);
     run.copy_out(dx);

@@ -34,7 +34,7 @@ public:
         if (choice_.method == LinearMethod::multigrid)
             set_up_multigrid();
         else
-            preconditioner_ = make_block_jacobi(*backend_);
+            preconditioner_ = make_block_jacobi(*backend_, backend_->stiffness());
         cg_.emplace(*backend_, *preconditioner_);
     }
 

@@ -10,15 +10,17 @@ namespace {
 
 class BlockJacobi final : public Preconditioner {
 public:
-    explicit BlockJacobi(Backend& backend) : backend_(backend) {}
+    BlockJacobi(Backend& backend, const DeviceOperator& matrix)
+        : backend_(backend), matrix_(matrix) {}
 
     void apply(const DeviceVector& r, DeviceVector& z, DeviceSums& rz) override {
-        backend_.apply_inverse_diagonal(backend_.stiffness(), 1.0, r, z, &rz);
+        backend_.apply_inverse_diagonal(matrix_, 1.0, r, z, &rz);
     }
     void keep_only(Index) override {}
 
 private:
     Backend& backend_;
+    const DeviceOperator& matrix_;
 };
 
 class PrecisionBridge final : public Preconditioner {
@@ -61,8 +63,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Preconditioner> make_block_jacobi(Backend& backend) {
-    return std::make_unique<BlockJacobi>(backend);
+std::unique_ptr<Preconditioner> make_block_jacobi(Backend& backend, const DeviceOperator& matrix) {
+    return std::make_unique<BlockJacobi>(backend, matrix);
 }
 
 std::unique_ptr<Preconditioner> make_precision_bridge(Backend& outer, Backend& single,

@@ -18,8 +18,8 @@ public:
     virtual void keep_only(Index columns) = 0;
 };
 
-/// Inverse 3x3 diagonal blocks of `backend`'s stiffness, which outlives it.
-std::unique_ptr<Preconditioner> make_block_jacobi(Backend& backend);
+/// Inverse diagonal blocks of `matrix`, which `backend` has been given with them. Both outlive it.
+std::unique_ptr<Preconditioner> make_block_jacobi(Backend& backend, const DeviceOperator& matrix);
 
 /// `inner`, which belongs to the back end `single`, in conjugate gradients on the back end `outer`
 /// of another precision on the same device: multigrid in single, everything else in double. Both

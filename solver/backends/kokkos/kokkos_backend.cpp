@@ -6,42 +6,15 @@
 #include <cmath>
 #include <optional>
 
+#include "solver/backends/kokkos/checks.hpp"
 #include "solver/backends/kokkos/kokkos_model.hpp"
+#include "solver/backends/kokkos/kokkos_solid.hpp"
 #include "solver/backends/kokkos/operator_body.hpp"
-#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-void require(bool holds, const char* function, const char* what) {
-    if (!holds)
-        throw Error(ErrorCode::invalid_argument,
-                    std::string("Back end kokkos, ") + function + ": " + what + ".");
-}
-
-/// Runs `work` and turns what Kokkos throws into errors of ours.
-template <typename Work>
-auto guarded(const char* function, const Work& work) {
-    try {
-        return work();
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    std::string("Back end kokkos ran out of memory in ") + function + ".");
-    } catch (const std::exception& error) {
-        throw Error(ErrorCode::device_failed, std::string("Back end kokkos failed in ") + function +
-                                                  ": " + error.what() + ".");
-    }
-}
-
-template <typename Own, typename Base>
-Own& own(Base& base, const char* function) {
-    auto* const found = dynamic_cast<Own*>(&base);
-    require(found != nullptr, function,
-            "an argument belongs to another back end or another precision");
-    return *found;
-}
+using namespace kokkos;
 
 const KokkosSums& own_sums(const DeviceSums& sums, Index columns, const char* function) {
     require(sums.columns() == columns, function, "sums and vectors differ in columns");
@@ -55,11 +28,6 @@ KokkosSums& own_sums(DeviceSums& sums, Index columns, const char* function) {
 
 KokkosSums* own_sums(DeviceSums* sums, Index columns, const char* function) {
     return sums ? &own_sums(*sums, columns, function) : nullptr;
-}
-
-void require_same_shape(const DeviceVector& x, const DeviceVector& y, const char* function) {
-    require(x.rows() == y.rows() && x.columns() == y.columns(), function,
-            "the vectors differ in rows or columns");
 }
 
 void require_sound(const BlockMatrix& matrix, std::span<const double> inverse_diagonal,
@@ -343,6 +311,10 @@ public:
                 gradient[region] = std::accumulate(work.begin(), work.end(), 0.0);
             }
         });
+    }
+
+    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) override {
+        return guarded("make_solid", [&] { return make_kokkos_solid<Real>(model); });
     }
 
     void wait() override {

@@ -30,18 +30,22 @@ std::string material_text(std::string_view law) {
     return text;
 }
 
+/// Loops over the elements of large deformation, of any element and law.
+bool is_solid(std::string_view program) { return program.starts_with("solid_"); }
+
 }  // namespace
 
 const std::vector<std::string>& program_names() {
     static const std::vector<std::string> names = {
-        "conjugate_gradients", "diagonal_blocks",  "element_geometry", "gather_to_nodes",
-        "inverse_diagonal",    "material_point",   "multiply_blocks",  "parameter_gradient",
-        "stiffness_apply",     "stiffness_blocks", "vector_ops"};
+        "conjugate_gradients", "diagonal_blocks",  "element_geometry", "gather_blocks",
+        "gather_to_nodes",     "inverse_diagonal", "material_point",   "multiply_blocks",
+        "parameter_gradient",  "solid_force",      "solid_parameters", "solid_product",
+        "solid_tangent",       "stiffness_apply",  "stiffness_blocks", "vector_ops"};
     return names;
 }
 
 std::vector<std::string> laws_of_program(std::string_view program) {
-    if (program != "material_point") return {"linear"};
+    if (program != "material_point" && !is_solid(program)) return {"linear"};
     std::vector<std::string> names;
     for (const MaterialDescription& law : material_laws()) names.emplace_back(law.name);
     return names;
@@ -56,10 +60,12 @@ std::string program_text(std::string_view program, std::string_view law) {
     std::string text(file_text("real.cl"));
     if (over_parts) text += file_text("parts.cl");
     if (is_one_of({"gather_to_nodes", "multiply_blocks"})) text += file_text("row_result.cl");
-    if (!over_parts && program != "vector_ops") {
+    if (!over_parts && !is_one_of({"gather_blocks", "vector_ops"})) {
         text += file_text("tensor3.cl");
-        if (program != "material_point") text += file_text("elements/tet4.cl");
+        if (program != "material_point" && !is_solid(program))
+            text += file_text("elements/tet4.cl");
         text += material_text(law);
+        if (is_solid(program)) text += file_text("solid_element.cl");
     }
     text += file_text(std::string(program) + ".cl");
     return text;

@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "solver/backends/opencl/device_model.hpp"
+#include "solver/backends/opencl/opencl_solid.hpp"
+#include "solver/backends/opencl/opencl_vector.hpp"
 #include "solver/backends/opencl/session.hpp"
 
 namespace palpate {
@@ -35,19 +37,6 @@ void refuse_other_shapes(const char* what, std::initializer_list<const DeviceVec
             refuse(fmt::format("{} needs vectors of one shape, not {} and {}.", what,
                                shape_of(first), shape_of(*v)));
 }
-
-class OpenclVector final : public DeviceVector {
-public:
-    OpenclVector(Index rows, Index columns, cl::Buffer buffer, const Session* owner)
-        : DeviceVector(rows, columns), buffer_(std::move(buffer)), owner_(owner) {}
-    const cl::Buffer& buffer() const { return buffer_; }
-    const Session* owner() const { return owner_; }
-    std::size_t size() const { return static_cast<std::size_t>(rows()) * columns(); }
-
-private:
-    cl::Buffer buffer_;
-    const Session* owner_;
-};
 
 class OpenclSums final : public DeviceSums {
 public:
@@ -120,10 +109,11 @@ public:
     void strain_energy(const DeviceVector& x, std::span<double> energy) override;
     void parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
                             std::span<double> gradient) override;
+    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) override;
     void wait() override;
 
 private:
-    const OpenclVector& mine(const DeviceVector& v) const;
+    const OpenclVector& mine(const DeviceVector& v) const { return vector_of(v, session_); }
     const cl::Buffer& buffer_of(const DeviceVector& v) const { return mine(v).buffer(); }
     DeviceModel& model_for(const DeviceVector& x, const DeviceVector& y);
     const OpenclSums& mine(const DeviceSums& sums, Index columns) const;
@@ -157,13 +147,6 @@ BackendInfo OpenclBackend::describe() const {
     info.compute_units = device.compute_units;
     info.type = device.type;
     return info;
-}
-
-const OpenclVector& OpenclBackend::mine(const DeviceVector& v) const {
-    const auto* vector = dynamic_cast<const OpenclVector*>(&v);
-    if (!vector || vector->owner() != &session_)
-        refuse("The vector belongs to another back end: make it with the one that uses it.");
-    return *vector;
 }
 
 DeviceModel& OpenclBackend::model_for(const DeviceVector& x, const DeviceVector& y) {
@@ -518,6 +501,10 @@ void OpenclBackend::parameter_gradient(const DeviceVector& lambda, const DeviceV
         std::fill(gradient.begin(), gradient.end(), 0.0);
         for (std::size_t i = 0; i < products.size(); ++i) gradient[i / columns] += products[i];
     });
+}
+
+std::unique_ptr<SolidDevice> OpenclBackend::make_solid(const SolidModel& model) {
+    return make_opencl_solid(session_, model);
 }
 
 void OpenclBackend::wait() {

@@ -52,8 +52,9 @@ std::string ProgramCache::key_of(const std::string& text,
     return device_key_ + options_text(defines) + "\n" + text;
 }
 
-cl::Program ProgramCache::get(const std::string& program, const std::vector<Define>& defines) {
-    return get_text(program, program_text(program), defines);
+cl::Program ProgramCache::get(const std::string& program, std::string_view law,
+                              const std::vector<Define>& defines) {
+    return get_text(program, program_text(program, law), defines);
 }
 
 cl::Program ProgramCache::get_text(const std::string& name, const std::string& text,

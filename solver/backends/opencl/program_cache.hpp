@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "solver/backends/opencl/opencl_api.hpp"
@@ -32,9 +33,14 @@ class ProgramCache {
 public:
     ProgramCache(cl::Context context, cl::Device device, std::filesystem::path folder);
 
-    /// The program of `kernels/<program>.cl` with these defines. Throws Error(kernel_build_failed)
-    /// with program, options and the complete build log.
-    cl::Program get(const std::string& program, const std::vector<Define>& defines);
+    /// The program of `kernels/<program>.cl` for a law with these defines. Throws
+    /// Error(kernel_build_failed) with program, options and the complete build log.
+    cl::Program get(const std::string& program, std::string_view law,
+                    const std::vector<Define>& defines);
+    /// The same of a program that knows but one law.
+    cl::Program get(const std::string& program, const std::vector<Define>& defines) {
+        return get(program, "linear", defines);
+    }
     /// The same for a text that is not among the embedded ones; `name` is used in messages.
     cl::Program get_text(const std::string& name, const std::string& text,
                          const std::vector<Define>& defines);

@@ -120,17 +120,21 @@ cl::Kernel& Session::kernel(const KernelName& name, const ColumnPass& pass,
                                    {"COLUMN_WIDTH", pass.width},
                                    {"WORK_GROUP_COLUMNS", static_cast<long>(group.columns)},
                                    {"WORK_GROUP_ROWS", static_cast<long>(group.rows)}};
-    const std::pair<const char*, int> choices[] = {{"CONSTRAINED", variant.constrained},
-                                                   {"RECOMPUTED", variant.recomputed},
-                                                   {"MODE", variant.mode},
-                                                   {"HAS_SUM", variant.has_sum},
-                                                   {"BLOCK_ROWS", variant.block_rows},
-                                                   {"BLOCK_COLUMNS", variant.block_columns},
-                                                   {"LANES", variant.lanes},
-                                                   {"FROM_IS_DOUBLE", variant.from_is_double}};
+    const std::pair<const char*, int> choices[] = {
+        {"CONSTRAINED", variant.constrained},
+        {"RECOMPUTED", variant.recomputed},
+        {"MODE", variant.mode},
+        {"HAS_SUM", variant.has_sum},
+        {"BLOCK_ROWS", variant.block_rows},
+        {"BLOCK_COLUMNS", variant.block_columns},
+        {"LANES", variant.lanes},
+        {"FROM_IS_DOUBLE", variant.from_is_double},
+        {"NODES_PER_ELEMENT", variant.nodes_per_element},
+        {"POINTS_PER_ELEMENT", variant.points_per_element},
+        {"HAS_HOOP", variant.has_hoop}};
     for (const auto& [define, value] : choices)
         if (value >= 0) defines.push_back({define, value});
-    found = cl::Kernel(device_->programs->get(name.program, defines), name.function);
+    found = cl::Kernel(device_->programs->get(name.program, variant.law, defines), name.function);
     return found;
 }
 

@@ -31,6 +31,10 @@ struct KernelVariant {
     int block_columns = -1;
     int lanes = -1;
     int from_is_double = -1;
+    int nodes_per_element = -1;
+    int points_per_element = -1;
+    int has_hoop = -1;
+    std::string_view law = "linear";  ///< of programs that exist for every law
 
     auto operator<=>(const KernelVariant&) const = default;
 };

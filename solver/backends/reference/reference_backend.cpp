@@ -5,22 +5,17 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCore>
 
-#include "solver/base/error.hpp"
+#include "solver/backends/reference/host_vector.hpp"
+#include "solver/backends/reference/reference_solid.hpp"
 #include "solver/elements/tet4.hpp"
 
 namespace palpate {
 namespace {
 
-using Values = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using namespace reference;
 
-class HostVector final : public DeviceVector {
-public:
-    HostVector(Index rows, Index columns) : DeviceVector(rows, columns), values(rows, columns) {
-        values.setConstant(std::numeric_limits<double>::quiet_NaN());
-    }
-    Values values;
-};
+using Values = HostValues;
+using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 class HostSums final : public DeviceSums {
 public:
@@ -47,23 +42,10 @@ std::vector<double>& numbers_of(DeviceSums& sums) { return dynamic_cast<HostSums
 const std::vector<double>& numbers_of(const DeviceSums& sums) {
     return dynamic_cast<const HostSums&>(sums).values;
 }
-const Values& values_of(const DeviceVector& v) { return dynamic_cast<const HostVector&>(v).values; }
-Values& values_of(DeviceVector& v) { return dynamic_cast<HostVector&>(v).values; }
 
 std::string eigen_version() {
     return "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
            std::to_string(EIGEN_MAJOR_VERSION) + "." + std::to_string(EIGEN_MINOR_VERSION);
-}
-
-void require(bool holds, const char* function, const char* what) {
-    if (!holds)
-        throw Error(ErrorCode::invalid_argument,
-                    std::string("Back end reference, ") + function + ": " + what + ".");
-}
-
-void require_same_shape(const DeviceVector& x, const DeviceVector& y, const char* function) {
-    require(x.rows() == y.rows() && x.columns() == y.columns(), function,
-            "the vectors differ in rows or columns");
 }
 
 class ReferenceBackend final : public Backend {
@@ -292,6 +274,10 @@ public:
             gradient[model_.mesh.region[t]] +=
                 (corners_lambda.array() * (unit_stiffness_[t] * corners_x).array()).sum();
         }
+    }
+
+    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) override {
+        return make_reference_solid(model);
     }
 
     void wait() override {}

@@ -28,15 +28,15 @@ template <int B>
 using Block = Eigen::Matrix<double, B, B, Eigen::RowMajor>;
 
 /// Rigid translations and rotations about the middle of the mesh, lengths in units of its size.
-Eigen::MatrixXd rigid_body_modes(const Mesh& mesh, std::span<const unsigned char> held) {
+Eigen::MatrixXd rigid_body_modes(std::span<const Vec3> nodes, std::span<const unsigned char> held) {
     Vec3 centre = Vec3::Zero();
-    for (const Vec3& x : mesh.nodes) centre += x;
-    centre /= std::max<double>(1, mesh.nodes.size());
+    for (const Vec3& x : nodes) centre += x;
+    centre /= std::max<double>(1, nodes.size());
     double size = 0;
-    for (const Vec3& x : mesh.nodes) size = std::max(size, (x - centre).norm());
-    Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * mesh.nodes.size(), num_modes);
-    for (Index n = 0; n < mesh.num_nodes(); ++n) {
-        const Vec3 x = (mesh.nodes[n] - centre) / std::max(size, 1e-300);
+    for (const Vec3& x : nodes) size = std::max(size, (x - centre).norm());
+    Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * nodes.size(), num_modes);
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const Vec3 x = (nodes[n] - centre) / std::max(size, 1e-300);
         auto rows = modes.middleRows<3>(3 * n);
         rows.leftCols<3>().setIdentity();
         rows.rightCols<3>() << 0, x[2], -x[1], -x[2], 0, x[0], x[1], -x[0], 0;
@@ -299,15 +299,16 @@ Eigen::MatrixXd dense(const BlockMatrix& matrix) {
 
 }  // namespace
 
-Hierarchy::Hierarchy(const Model& model, const StiffnessMatrix& stiffness) {
-    held_.assign(model.prescribed.begin(), model.prescribed.end());
-    for (Index n = 0; n < model.mesh.num_nodes(); ++n)
+Hierarchy::Hierarchy(std::span<const Vec3> nodes, std::span<const std::uint8_t> prescribed,
+                     const BlockMatrix& stiffness) {
+    held_.assign(prescribed.begin(), prescribed.end());
+    for (std::size_t n = 0; n < nodes.size(); ++n)
         if (stiffness.graph.offsets[n + 1] - stiffness.graph.offsets[n] == 1)
             std::fill_n(held_.begin() + 3 * n, 3, std::uint8_t{1});
     levels_.emplace_back();
-    levels_[0].modes = rigid_body_modes(model.mesh, held_);
+    levels_[0].modes = rigid_body_modes(nodes, held_);
 
-    std::vector<unsigned char> takes_part(model.mesh.nodes.size());
+    std::vector<unsigned char> takes_part(nodes.size());
     for (std::size_t n = 0; n < takes_part.size(); ++n)
         takes_part[n] = !(held_[3 * n] && held_[3 * n + 1] && held_[3 * n + 2]);
     Adjacency edges = stiffness.graph;
@@ -331,7 +332,7 @@ Hierarchy::Hierarchy(const Model& model, const StiffnessMatrix& stiffness) {
     compute_values(levels_.size() - 1, matrix_of(levels_.size() - 1, stiffness));
 }
 
-void Hierarchy::update(const StiffnessMatrix& stiffness) {
+void Hierarchy::update(const BlockMatrix& stiffness) {
     for (std::size_t l = 0; l < levels_.size(); ++l) compute_values(l, matrix_of(l, stiffness));
 }
 

@@ -3,12 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "solver/linear/multigrid/aggregates.hpp"
+#include "solver/model/block_matrix.hpp"
 #include "solver/model/model.hpp"
-#include "solver/model/stiffness_matrix.hpp"
 
 namespace palpate {
 
@@ -35,11 +36,17 @@ public:
     /// Levels are added until the coarsest has at most this many dofs.
     static constexpr Index coarsest_dofs = 600;
 
-    /// `stiffness` without regard to prescribed dofs, as `assemble_stiffness` makes it.
-    Hierarchy(const Model& model, const StiffnessMatrix& stiffness);
+    /// `stiffness` has 3x3 blocks, without regard to prescribed dofs.
+    ///   nodes       [num_nodes] mm; in a plane the third component of every dof is prescribed
+    ///   prescribed  [3 num_nodes]
+    /// Throws Error(solve_failed) if the coarsest matrix is not positive definite.
+    Hierarchy(std::span<const Vec3> nodes, std::span<const std::uint8_t> prescribed,
+              const BlockMatrix& stiffness);
+    Hierarchy(const Model& model, const BlockMatrix& stiffness)
+        : Hierarchy(model.mesh.nodes, model.prescribed, stiffness) {}
 
     /// New values for the same mesh and prescribed dofs.
-    void update(const StiffnessMatrix& stiffness);
+    void update(const BlockMatrix& stiffness);
 
     /// Frees all values but keeps the patterns: what is left to do once a device has them.
     /// `update` brings them back.
@@ -50,7 +57,7 @@ public:
     const Eigen::MatrixXd& coarsest_inverse() const { return coarsest_inverse_; }
 
 private:
-    const BlockMatrix& matrix_of(std::size_t level, const StiffnessMatrix& stiffness) const {
+    const BlockMatrix& matrix_of(std::size_t level, const BlockMatrix& stiffness) const {
         return level == 0 ? stiffness : levels_[level].matrix;
     }
     void compute_values(std::size_t level, const BlockMatrix& matrix);

@@ -27,7 +27,8 @@ BlockMatrix dense_blocks(const Eigen::MatrixXd& matrix, int b) {
 
 }  // namespace
 
-Multigrid::Multigrid(Backend& backend, const Hierarchy& hierarchy) : backend_(backend) {
+Multigrid::Multigrid(Backend& backend, const DeviceOperator& matrix, const Hierarchy& hierarchy)
+    : backend_(backend), matrix_(matrix) {
     const auto source = hierarchy.levels();
     levels_.resize(source.size());
     for (std::size_t l = 0; l + 1 < source.size(); ++l) {

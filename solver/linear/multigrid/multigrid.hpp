@@ -22,9 +22,12 @@ public:
     static constexpr int smoothing_degree = 2;
     static constexpr double smoothed_share = 10;
 
-    /// Brings `hierarchy` to the device of `backend`, whose prepared model is level 0 and which
-    /// outlives this object.
-    Multigrid(Backend& backend, const Hierarchy& hierarchy);
+    /// Brings `hierarchy` to the device of `backend`, where `matrix` is its level 0 with its
+    /// inverted diagonal blocks and the identity at prescribed dofs. Both outlive this object.
+    Multigrid(Backend& backend, const DeviceOperator& matrix, const Hierarchy& hierarchy);
+    /// Level 0 is the stiffness of the backend's prepared model.
+    Multigrid(Backend& backend, const Hierarchy& hierarchy)
+        : Multigrid(backend, backend.stiffness(), hierarchy) {}
 
     /// New values of the same hierarchy.
     void update(const Hierarchy& hierarchy);
@@ -38,7 +41,7 @@ private:
         double alpha, beta, weight;
     };
     struct Level {
-        std::unique_ptr<DeviceOperator> matrix;  ///< null on level 0: the model's stiffness
+        std::unique_ptr<DeviceOperator> matrix;  ///< null on level 0
         std::unique_ptr<DeviceOperator> prolongation, restriction;
         std::vector<Step> steps;
     };
@@ -49,7 +52,7 @@ private:
     };
 
     const DeviceOperator& matrix_of(std::size_t level) const {
-        return level == 0 ? backend_.stiffness() : *levels_[level].matrix;
+        return level == 0 ? matrix_ : *levels_[level].matrix;
     }
     static std::vector<Step> smoothing_steps(double largest_eigenvalue);
     std::vector<Vectors>& vectors_for(Index columns);
@@ -57,6 +60,7 @@ private:
                std::vector<Vectors>& vectors, DeviceSums* bx);
 
     Backend& backend_;
+    const DeviceOperator& matrix_;
     std::vector<Level> levels_;
     std::unique_ptr<DeviceOperator> coarsest_;
     std::map<Index, std::vector<Vectors>> vectors_;

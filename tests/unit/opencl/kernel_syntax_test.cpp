@@ -25,8 +25,12 @@ TEST(KernelSyntax, EveryCombinationPassesClangAsOpenclC12) {
     std::string script = "set -e\n";
     std::vector<std::pair<std::string, std::string>> combinations;
     for (const std::string& program : program_names())
-        for (const std::string& law : laws_of_program(program))
-            combinations.emplace_back(program, law);
+        for (const std::string& law : laws_of_program(program)) {
+            // material_point has every law; loops over elements one of small strains and one not.
+            const bool is_loop = program.starts_with("solid_");
+            if (!is_loop || law == "linear" || law == "neo-hookean")
+                combinations.emplace_back(program, law);
+        }
     for (const auto& [program, law] : combinations) {
         const auto file = folder / (program + "-" + law + ".cl");
         const std::string text = program_text(program, law);
@@ -40,8 +44,13 @@ TEST(KernelSyntax, EveryCombinationPassesClangAsOpenclC12) {
                  {"MODE", {0, 1, 2, 3}},
                  {"HAS_SUM", {0, 1}},
                  {"BLOCK_ROWS", program == "gather_to_nodes" ? std::vector{3} : std::vector{3, 6}},
-                 {"BLOCK_COLUMNS", {3, 6}}}) {
-            if (text.find(define) == std::string::npos) continue;
+                 {"BLOCK_COLUMNS", {3, 6}},
+                 {"NODES_PER_ELEMENT", {10}},
+                 {"POINTS_PER_ELEMENT", {4}},
+                 {"HAS_HOOP", {0, 1}}}) {
+            const bool is_known = text.find(define) != std::string::npos;
+            if (!is_known || text.find(fmt::format("#define {} ", define)) != std::string::npos)
+                continue;
             std::vector<std::string> more;
             for (const std::string& variant : variants)
                 for (int value : values)

@@ -9,10 +9,10 @@
 #include <map>
 #include <string>
 
-#include "solver/backends/opencl/context.hpp"
 #include "solver/base/error.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/meshes.hpp"
+#include "tests/unit/opencl/gpu_layout.hpp"
 #include "tests/unit/opencl/host_loops.hpp"
 
 namespace palpate {
@@ -53,19 +53,7 @@ std::vector<Setup> all_setups() {
 }
 
 std::shared_ptr<OpenclDevice> device_of(const Setup& setup) {
-    std::shared_ptr<OpenclDevice> opened = open_device("");
-    if (!setup.as_gpu) return opened;
-    auto gpu = std::make_shared<OpenclDevice>();
-    gpu->info = opened->info;
-    gpu->device = opened->device;
-    gpu->context = opened->context;
-    gpu->queue = opened->queue;
-    gpu->programs =
-        std::make_unique<ProgramCache>(gpu->context, gpu->device, default_cache_folder());
-    gpu->is_cpu = false;
-    gpu->has_double = opened->has_double;
-    gpu->max_allocation = opened->max_allocation;
-    return gpu;
+    return setup.as_gpu ? open_as_gpu() : open_device("");
 }
 
 BackendOptions options_of(const Setup& setup) {

@@ -17,7 +17,7 @@ struct Fixture {
     std::unique_ptr<Preconditioner> jacobi;
     Fixture() {
         backend->prepare(model);
-        jacobi = make_block_jacobi(*backend);
+        jacobi = make_block_jacobi(*backend, backend->stiffness());
     }
 
     Columns rhs(Index columns) const {

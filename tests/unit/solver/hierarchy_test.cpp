@@ -8,6 +8,7 @@
 #include <set>
 
 #include "solver/linear/multigrid/aggregates.hpp"
+#include "solver/model/stiffness_matrix.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate {

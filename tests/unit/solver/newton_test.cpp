@@ -106,7 +106,7 @@ TEST(Equilibrium, ALargePressureIsReachedThroughTangentsThatAreNotDefinite) {
             work.loads.force = traction_forces(
                 work.model.mesh, top, [&](const Vec3&, const Vec3& n) { return -pressure * n; });
             EquilibriumOptions options;
-            options.direct_library = library;
+            options.linear.direct_library = library;
             const Equilibrium found =
                 solve_equilibrium(SolidAssembly(work.model), work.loads, options);
             ASSERT_TRUE(found.converged)

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+//
+// lambda . df/dp of every element for the parameters p of its law: sum over points of
+// V dP/dp : grad lambda. One work item: one element of the law, which alone writes its parts.
+//   u, lambda  [3 num_nodes] mm
+//   parts      [num_elements, stride] mN mm per unit of the parameter, the first LAW_PARAMETERS of
+//              each row; zero where a point is not valid
+// Other buffers as in solid_force.cl.
+PALPATE_KERNEL void solid_parameters(global const real* coefficients, global const int* list,
+                                     int num_items, global const int* elements,
+                                     global const int* region, global const real* points,
+                                     global const real* u, global const real* lambda,
+                                     global real* parts, int stride) {
+    const size_t item = get_global_id(1);
+    if (item >= (size_t)num_items) return;
+
+    const size_t element = list[item];
+    global const int* nodes = elements + NODES_PER_ELEMENT * element;
+    const material_law law = load_law(coefficients, region[element]);
+    real sums[LAW_PARAMETERS];
+    for (int k = 0; k < LAW_PARAMETERS; ++k) sums[k] = 0;
+    int is_valid = 1;
+    for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
+        global const real* point = point_of(points, element, q);
+        const law_state s = state_at(&law, nodes, point, u);
+        is_valid = is_valid && s.is_valid;
+        real slope[9];
+        state_gradient(nodes, point, lambda, slope);
+        for (int k = 0; k < LAW_PARAMETERS; ++k) {
+            real p[9];
+            law_parameter_stress(&law, &s, k, p);
+            real work = 0;
+            for (int i = 0; i < 9; ++i) work += p[i] * slope[i];
+            sums[k] += point[VOLUME_AT] * work;
+        }
+    }
+    for (int k = 0; k < LAW_PARAMETERS; ++k)
+        parts[(size_t)stride * element + k] = is_valid ? sums[k] : (real)0;
+}

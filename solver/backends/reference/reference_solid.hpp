@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "solver/backend/solid_device.hpp"
+#include "solver/model/solid_model.hpp"
+
+namespace palpate {
+
+/// Plain loops over the elements on one host thread in fp64.
+std::unique_ptr<SolidDevice> make_reference_solid(const SolidModel& model);
+
+}  // namespace palpate
