@@ -48,6 +48,7 @@ SolidMeshFile prepare_mesh(const MeshSettings& settings) {
         file.mesh = grid_mesh(settings.grid, settings.formulation);
     else
         file = read_solid_mesh(settings.file, settings.formulation, settings.region_array);
+    for (Vec3& place : file.mesh.nodes) place *= settings.mm_per_unit;
     file.mesh.thickness_mm = settings.thickness_mm;
     for (const PartSettings& part : settings.parts) {
         const auto is_part = selected_elements(part.where, file.mesh);

@@ -86,6 +86,7 @@ void read_mesh_source(const SettingsTable& table, const fs::path& folder, MeshSe
     if (const auto grid = table.table(generator)) {
         if (table.has("region_array"))
             table.refuse("region_array", "it goes with a file; use [[mesh.part]] here");
+        if (table.has("unit")) table.refuse("unit", "it goes with a file; grids are in mm");
         mesh.grid = read_grid(*grid, is_solid);
     } else {
         mesh.file = folder / *table.text("file");
@@ -94,11 +95,13 @@ void read_mesh_source(const SettingsTable& table, const fs::path& folder, MeshSe
                         fmt::format("cannot read the mesh '{}': {}; check 'file' in [mesh]",
                                     mesh.file.string(), *why));
         mesh.region_array = table.text("region_array");
+        const std::string unit = table.choice("unit", {"mm", "cm", "m"}).value_or("mm");
+        mesh.mm_per_unit = unit == "m" ? 1000 : unit == "cm" ? 10 : 1;
     }
 }
 
 MeshSettings read_mesh(const SettingsTable& table, const fs::path& folder) {
-    table.allow_keys({"file", "region_array", "box", "rectangle", "part", "formulation",
+    table.allow_keys({"file", "region_array", "unit", "box", "rectangle", "part", "formulation",
                       "thickness_mm", "quadratic", "volume"});
     MeshSettings mesh;
     mesh.source = table;

@@ -47,6 +47,7 @@ struct MeshSettings {
     SettingsTable source;
     std::filesystem::path file;  ///< empty: `grid`
     std::optional<std::string> region_array;
+    double mm_per_unit = 1;  ///< of the file's coordinates
     GridSettings grid;
     std::vector<PartSettings> parts;
     Formulation formulation = Formulation::solid;

@@ -238,6 +238,17 @@ def test_a_mesh_of_a_file_gives_the_answer_of_the_grid_it_holds(tmp_path):
     assert rows_of(again)[-1]["top_z_mn"] == pytest.approx(rows_of(grid)[-1]["top_z_mn"], rel=1e-10)
 
 
+def test_a_mesh_of_a_file_may_be_in_metres(tmp_path):
+    (tmp_path / "mesh.vtk").write_text(
+        "# vtk DataFile Version 3.0\nm\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n"
+        "0 0 0 0.01 0 0 0 0.01 0 0 0 0.01\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n")
+    out = simulated(tmp_path, '[mesh]\nfile = "mesh.vtk"\nunit = "m"\n' + MATERIAL +
+                    '[[fix]]\nwhere = {side = "z-min"}\n'
+                    '[[move]]\nwhere = {from_mm = [0, 0, 10]}\nz_mm = 1\n')
+
+    assert read_arrays(out / "state_0001.vtu")["Points"].max() == 10
+
+
 def test_the_folder_holds_a_series_a_page_and_a_record(tmp_path):
     out = simulated(tmp_path, 'title = "Pull"\n' + BOX + MATERIAL + SMOOTH_BOX + TOP +
                     "[newton]\nload_steps = 2\n")
