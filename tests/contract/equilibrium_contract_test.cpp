@@ -141,6 +141,8 @@ TEST_P(EquilibriumContract, ABodyThatIsNotHeldIsSaid) {
     LoadedModel work{solid_model(solid_meshes()[0], solid_materials()[1]), {}};
     work.loads.displacement.setZero(work.model.num_dofs());
     work.loads.force.setOnes(work.model.num_dofs());
+    by_gradients.smallest_step = 0.5;
+    by_gradients.max_newton_steps = 10;
 
     EXPECT_FALSE(solve_equilibrium(SolidAssembly(work.model), work.loads, by_gradients).converged);
 }
