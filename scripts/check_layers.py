@@ -40,7 +40,9 @@ ALLOWED = {
     "host/phantom": SOLVER + STATIONS[:4],
     "host/pipeline": SOLVER + STATIONS + ["host/phantom"],
     "host/study": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
-    "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study"],
+    "host/simulation": SOLVER + STATIONS + ["host/pipeline"],
+    "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study",
+                                     "host/simulation"],
 }
 for position, station in enumerate(STATIONS):
     ALLOWED[station] = SOLVER + STATIONS[:position]

@@ -13,6 +13,7 @@ using Run = std::function<int()>;
 /// Each adds one sub-command with its options to `app` and sets `run` when it is the one chosen.
 void add_recover(CLI::App& app, Run& run);
 void add_phantom(CLI::App& app, Run& run);
+void add_simulate(CLI::App& app, Run& run);
 void add_study(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 

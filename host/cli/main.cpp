@@ -31,6 +31,7 @@ int parse_and_run(int argc, char** argv) {
     palpate::Run run;
     palpate::add_recover(app, run);
     palpate::add_phantom(app, run);
+    palpate::add_simulate(app, run);
     palpate::add_study(app, run);
     palpate::add_devices(app, run);
     try {

@@ -3,22 +3,13 @@
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
-#include <vtkNew.h>
 #include <vtkPointData.h>
-#include <vtkPoints.h>
-#include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkUnstructuredGridReader.h>
-#include <vtkXMLUnstructuredGridReader.h>
 
 #include <cmath>
-#include <exception>
-#include <fstream>
-#include <type_traits>
 
-#include "host/imaging/files.hpp"
 #include "host/meshing/io.hpp"
-#include "host/surfaces/vtk_messages.hpp"
+#include "host/meshing/vtk_grid.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -34,36 +25,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void unusable(const fs::path& path, const std::string& why) {
     throw Error(ErrorCode::input_unusable,
                 "the mesh '" + path.string() + "' cannot be used: " + why);
-}
-
-template <typename Reader>
-vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
-    VtkMessages messages;
-    vtkNew<Reader> reader;
-    reader->SetFileName(path.c_str());
-    if constexpr (std::is_same_v<Reader, vtkUnstructuredGridReader>) {
-        reader->ReadAllScalarsOn();
-        reader->ReadAllVectorsOn();
-        reader->ReadAllFieldsOn();
-    }
-    try {
-        reader->Update();
-    } catch (const std::exception& error) {  // sizes in damaged files
-        unreadable(path, error.what());
-    }
-    vtkSmartPointer<vtkUnstructuredGrid> grid = reader->GetOutput();
-    if (messages.any()) unreadable(path, "it is damaged: " + messages.last());
-    if (!grid || grid->GetNumberOfPoints() == 0 || !grid->GetPoints())
-        unreadable(path, "it holds no points");
-    return grid;
-}
-
-vtkSmartPointer<vtkUnstructuredGrid> read_grid(const fs::path& path) {
-    if (const auto why = why_unreadable(path)) unreadable(path, *why);
-    const std::string extension = path.extension().string();
-    if (extension == ".vtu") return run_reader<vtkXMLUnstructuredGridReader>(path);
-    if (extension == ".vtk") return run_reader<vtkUnstructuredGridReader>(path);
-    unreadable(path, "its name must end in .vtu or .vtk");
 }
 
 /// What was kept of a file: numbers of its points and cells.
@@ -164,7 +125,7 @@ void take_arrays(vtkUnstructuredGrid& grid, const Kept& kept, const std::string&
 }  // namespace
 
 Mesh read_vtu(const fs::path& path, const std::string& region_name, MeshArrays* arrays) {
-    const auto grid = read_grid(path);
+    const auto grid = read_vtk_grid(path);
     Mesh mesh;
     Kept kept;
     take_tets(path, *grid, mesh, kept);

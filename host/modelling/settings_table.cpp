@@ -31,6 +31,8 @@ std::string shown(const toml::node& value) {
             out << "a table";
         else if constexpr (toml::is_array<decltype(v)>)
             out << "a list";
+        else if constexpr (toml::is_floating_point<decltype(v)>)
+            out << fmt::format("{}", *v);  // the shortest digits that mean the number
         else
             out << toml::node_view<const toml::node>(v);
     });
@@ -41,6 +43,10 @@ std::string shown(const toml::node& value) {
 }
 
 std::string shown(NumberRange range) {
+    if (range.low == any_number.low && range.high == any_number.high) return "a number";
+    if (range.high == any_number.high)
+        return fmt::format("a number {} {:g}", range.open_low ? "greater than" : "of at least",
+                           range.low);
     return fmt::format("a number {} {:g} and at most {:g}",
                        range.open_low ? "greater than" : "of at least", range.low, range.high);
 }
@@ -77,7 +83,7 @@ SettingsTable SettingsTable::parse(const std::string& toml, const std::string& s
     }
 }
 
-void SettingsTable::allow_keys(std::initializer_list<std::string_view> keys) const {
+void SettingsTable::allow_keys(const std::vector<std::string_view>& keys) const {
     for (const auto& [key, value] : *node_->table) {
         if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
         std::string guess;
@@ -91,13 +97,19 @@ void SettingsTable::allow_keys(std::initializer_list<std::string_view> keys) con
 
 bool SettingsTable::has(std::string_view key) const { return node_->table->contains(key); }
 
+std::vector<std::string> SettingsTable::keys() const {
+    std::vector<std::string> names;
+    for (const auto& [key, value] : *node_->table) names.emplace_back(key.str());
+    return names;
+}
+
 std::optional<SettingsTable> SettingsTable::table(std::string_view key) const {
     if (!has(key)) return std::nullopt;
     const toml::table* inner = node_->table->get(key)->as_table();
     if (!inner) refuse(key, fmt::format("allowed: one table, written [{}]", key));
     SettingsTable result = *this;
     result.node_ = std::make_shared<const Node>(Node{node_->document, inner});
-    result.title_ = fmt::format("[{}]", key);
+    result.title_ += fmt::format("{}[{}]", title_.empty() ? "" : " ", key);
     return result;
 }
 
@@ -111,7 +123,8 @@ std::vector<SettingsTable> SettingsTable::tables(std::string_view key) const {
         if (!item.is_table()) refuse(key, allowed);
         SettingsTable inner = *this;
         inner.node_ = std::make_shared<const Node>(Node{node_->document, item.as_table()});
-        inner.title_ = fmt::format("[[{}]] number {}", key, result.size() + 1);
+        inner.title_ +=
+            fmt::format("{}[[{}]] number {}", title_.empty() ? "" : " ", key, result.size() + 1);
         result.push_back(inner);
     }
     return result;
@@ -126,6 +139,26 @@ std::optional<double> SettingsTable::number(std::string_view key, NumberRange ra
                       (range.open_low ? *value > range.low : *value >= range.low);
     if (!good) refuse(key, "allowed: " + shown(range));
     return value;
+}
+
+std::optional<std::vector<double>> SettingsTable::numbers(std::string_view key, std::size_t least,
+                                                          std::size_t most) const {
+    if (!has(key)) return std::nullopt;
+    const auto wrong = [&] {
+        const std::string count = least == most ? fmt::format("{}", least)
+                                  : most > 1000 ? fmt::format("at least {}", least)
+                                                : fmt::format("{} to {}", least, most);
+        refuse(key, fmt::format("allowed: a list of {} numbers in square brackets", count));
+    };
+    const toml::array* list = node_->table->get(key)->as_array();
+    if (!list || list->size() < least || list->size() > most) wrong();
+    std::vector<double> values;
+    for (const toml::node& item : *list) {
+        const auto value = item.is_number() ? item.value<double>() : std::optional<double>{};
+        if (!value || !std::isfinite(*value)) wrong();
+        values.push_back(*value);
+    }
+    return values;
 }
 
 std::optional<int> SettingsTable::whole_number(std::string_view key, int low, int high) const {

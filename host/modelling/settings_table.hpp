@@ -3,6 +3,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +17,9 @@ struct NumberRange {
     double low, high;
     bool open_low = false;
 };
+/// Every number but infinite ones and NaN.
+inline constexpr NumberRange any_number{-std::numeric_limits<double>::max(),
+                                        std::numeric_limits<double>::max()};
 
 /// One table of a TOML document, read strictly: every complaint is an Error(invalid_argument) of
 /// the form "file, line n: [table]: key 'k' is v; allowed: ...". Keeps the toml library out of
@@ -26,13 +30,17 @@ public:
     static SettingsTable parse(const std::string& toml, const std::string& source_name);
 
     /// Throws for the first key that is not in `keys`.
-    void allow_keys(std::initializer_list<std::string_view> keys) const;
+    void allow_keys(const std::vector<std::string_view>& keys) const;
     bool has(std::string_view key) const;
+    std::vector<std::string> keys() const;
 
     std::optional<SettingsTable> table(std::string_view key) const;
     std::vector<SettingsTable> tables(std::string_view key) const;  ///< [[key]]; empty if absent
 
     std::optional<double> number(std::string_view key, NumberRange range) const;
+    /// A list of at least `least` and at most `most` numbers.
+    std::optional<std::vector<double>> numbers(std::string_view key, std::size_t least,
+                                               std::size_t most) const;
     std::optional<int> whole_number(std::string_view key, int low, int high) const;
     std::optional<bool> yes_or_no(std::string_view key) const;
     std::optional<std::string> text(std::string_view key) const;

@@ -85,6 +85,8 @@ std::string fill_template(std::string_view text, const std::map<std::string, std
     }
 }
 
+std::string list_colour(std::size_t position) { return palette[position % palette.size()]; }
+
 std::string region_colour(const RecoveryResult& result, Index region) {
     std::size_t position = 0;
     for (const RegionResult& r : result.regions) {

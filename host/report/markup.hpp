@@ -18,6 +18,9 @@ std::string escape_html(std::string_view text);
 /// Throws Error(internal) for a name without value.
 std::string fill_template(std::string_view text, const std::map<std::string, std::string>& values);
 
+/// Colour number `position` of lists, "#rrggbb", told apart by colour-blind readers; repeats.
+std::string list_colour(std::size_t position);
+
 /// The colour of a region in every picture, "#rrggbb", told apart by colour-blind readers; fixed
 /// organs are grey.
 std::string region_colour(const RecoveryResult& result, Index region);

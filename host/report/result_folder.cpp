@@ -180,13 +180,17 @@ void check_folder(const fs::path& folder, const char* mark, bool overwrite) {
 
 }  // namespace
 
+void check_output_folder(const fs::path& folder, const char* mark, bool overwrite) {
+    with_clear_errors(folder, [&] { check_folder(folder, mark, overwrite); });
+}
+
 void check_result_folder(const fs::path& folder, bool overwrite) {
-    with_clear_errors(folder, [&] { check_folder(folder, "result.json", overwrite); });
+    check_output_folder(folder, "result.json", overwrite);
 }
 
 void check_targets_folder(const fs::path& folder, const std::vector<std::string>& names,
                           bool overwrite) {
-    with_clear_errors(folder, [&] { check_folder(folder, targets_file_name, overwrite); });
+    check_output_folder(folder, targets_file_name, overwrite);
     for (const std::string& name : names) check_result_folder(folder / name, overwrite);
 }
 

@@ -39,6 +39,10 @@ void check_targets_folder(const std::filesystem::path& folder,
 /// Writes or replaces targets.csv. Missing folders are made. Throws Error(output_failed).
 void write_targets_file(const std::filesystem::path& folder, const std::string& text);
 
+/// Throws Error(output_failed) if `write_folder_atomically` would refuse `folder`, or if it exists
+/// without a file `mark`, which tells folders of palpate from others.
+void check_output_folder(const std::filesystem::path& folder, const char* mark, bool overwrite);
+
 /// Makes `folder` in one step: `fill` writes into a temporary sibling, every file is brought to
 /// disk (fsync), the sibling is renamed. If anything throws, the sibling is removed and nothing
 /// changed. Used for everything palpate writes as a folder. Throws Error(output_failed).

@@ -63,15 +63,6 @@ std::vector<LegendEntry> legend_of(const Series& held, const Series& missed,
 
 }  // namespace
 
-std::string legend_html(const std::vector<LegendEntry>& entries) {
-    std::string out = "<div class='legend'>";
-    for (const LegendEntry& entry : entries)
-        out += fmt::format(
-            "<span><i{} style='{}:{}'></i>{}</span>", entry.is_hollow ? " class='hollow'" : "",
-            entry.is_hollow ? "border-color" : "background", entry.colour, escape_html(entry.text));
-    return out + "</div>";
-}
-
 StudyPicture recovered_picture(const std::vector<Estimate>& ours,
                                const std::vector<Estimate>& published, const std::string& x_label) {
     Series held, missed, theirs;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/report/legend.hpp"
 #include "host/study/accuracy.hpp"
 #include "host/study/study.hpp"
 
@@ -14,12 +15,6 @@ namespace palpate {
 constexpr const char* our_colour = "var(--accent)";
 constexpr const char* miss_colour = "var(--bad)";
 constexpr const char* published_colour = "#d55e00";
-
-struct LegendEntry {
-    std::string text, colour;
-    bool is_hollow = false;
-};
-std::string legend_html(const std::vector<LegendEntry>& entries);
 
 /// Recovered over true stiffness with 95 % intervals, both logarithmic, and published values beside
 /// them (may be empty).

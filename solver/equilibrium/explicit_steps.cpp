@@ -30,10 +30,12 @@ void check_options(const ExplicitOptions& options) {
 class ExplicitSolve {
 public:
     ExplicitSolve(const SolidModel& model, const std::vector<LoadTime>& times,
-                  const ExplicitOptions& options, const ProgressSink& progress)
+                  const ExplicitOptions& options, const ProgressSink& progress,
+                  const MotionObserver& observer)
         : times_(times),
           options_(options),
           progress_(progress),
+          observer_(observer),
           solid_(model),
           contact_(solid_.model()),
           history_(solid_.model()),
@@ -51,11 +53,12 @@ private:
     double stable_step();
     double contact_stiffness_per_mass() const;
     bool advance(double dt_s, const SolidLoads& loads);
-    DynamicState state_at(double time_s) const;
+    DynamicState state_at(const LoadTime& at) const;
 
     const std::vector<LoadTime>& times_;
     const ExplicitOptions& options_;
     const ProgressSink& progress_;
+    const MotionObserver& observer_;
     SolidAssembly solid_;
     ContactAssembly contact_;
     ViscousHistory history_;
@@ -142,8 +145,11 @@ bool ExplicitSolve::advance(double dt_s, const SolidLoads& loads) {
     return inner_.is_valid;
 }
 
-DynamicState ExplicitSolve::state_at(double time_s) const {
-    DynamicState state{time_s, u_, v_, inner_.energy, 0, contact_.state(u_)};
+DynamicState ExplicitSolve::state_at(const LoadTime& at) const {
+    DynamicState state{
+        at.time_s, u_, v_, Eigen::VectorXd::Zero(u_.size()), inner_.energy, 0, contact_.state(u_)};
+    for (Eigen::Index d = 0; d < v_.size(); ++d)
+        if (solid_.model().prescribed[d]) state.reaction[d] = inner_.force[d] - at.loads.force[d];
     for (Eigen::Index d = 0; d < v_.size(); ++d)
         state.kinetic_energy += 0.5 * mass_[d / 3] * v_[d] * v_[d];
     return state;
@@ -176,7 +182,8 @@ ExplicitHistory ExplicitSolve::run() {
                                 fmt::format("{:.0f} steps", result.num_steps));
         }
         now_s = times_[i].time_s;
-        result.states.push_back(state_at(now_s));
+        result.states.push_back(state_at(times_[i]));
+        if (observer_) observer_(solid_, result.states.back());
     }
     result.is_complete = true;
     result.message = "all times reached";
@@ -186,12 +193,13 @@ ExplicitHistory ExplicitSolve::run() {
 }  // namespace
 
 ExplicitHistory solve_explicit(const SolidModel& model, const std::vector<LoadTime>& times,
-                               const ExplicitOptions& options, const ProgressSink& progress) {
+                               const ExplicitOptions& options, const ProgressSink& progress,
+                               const MotionObserver& observer) {
     check_times(times);
     check_options(options);
     check_model(model);
     for (const LoadTime& at : times) check_loads(model, at.loads);
-    return ExplicitSolve(model, times, options, progress).run();
+    return ExplicitSolve(model, times, options, progress, observer).run();
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,10 +23,16 @@ struct DynamicState {
     double time_s = 0;
     Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
     Eigen::VectorXd velocity;      ///< [3 num_nodes] mm/s, half a step before
-    double stored_energy = 0;      ///< mN mm, of matter and obstacles
-    double kinetic_energy = 0;     ///< mN mm
+    /// [3 num_nodes] mN: the forces that hold prescribed dofs, but for the inertia of their own
+    /// nodes; zero elsewhere.
+    Eigen::VectorXd reaction;
+    double stored_energy = 0;   ///< mN mm, of matter and obstacles
+    double kinetic_energy = 0;  ///< mN mm
     ContactState contact;
 };
+
+/// Sees each moment of a motion with the assembly that its forces are of.
+using MotionObserver = std::function<void(const SolidAssembly&, const DynamicState&)>;
 
 struct ExplicitHistory {
     std::vector<DynamicState> states;  ///< at the times that were reached
@@ -44,6 +51,7 @@ struct ExplicitHistory {
 /// matter ends there, with a message. Throws as `solve_history` does, and Error(invalid_argument)
 /// for options out of range and for more than `most_steps`.
 ExplicitHistory solve_explicit(const SolidModel& model, const std::vector<LoadTime>& times,
-                               const ExplicitOptions& options, const ProgressSink& progress = {});
+                               const ExplicitOptions& options, const ProgressSink& progress = {},
+                               const MotionObserver& observer = {});
 
 }  // namespace palpate

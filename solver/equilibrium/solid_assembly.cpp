@@ -278,6 +278,25 @@ std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd
     return stress;
 }
 
+std::vector<PointState> SolidAssembly::point_states(const Eigen::VectorXd& u) const {
+    const Tables& tables = *tables_;
+    const auto points = static_cast<std::size_t>(tables.model.mesh.table().num_points);
+    std::vector<PointState> states(tables.geometry.size());
+    tables.for_each_element([&](Index e) {
+        const ElementPoints element = tables.points_of(e);
+        tables.with_laws(e, [&](const auto& law_at) {
+            with_response(tables.model, law_at, element, u, [&](const auto& response) {
+                PointTensors stress{};
+                if (response.is_valid()) response.stress(stress);
+                for (std::size_t q = 0; q < points; ++q)
+                    states[e * points + q] = {response.gradient(q), stress[q],
+                                              element.geometry[q].volume};
+            });
+        });
+    });
+    return states;
+}
+
 Eigen::VectorXd SolidAssembly::elastic_stress_gradient(
     const Eigen::VectorXd& u, const std::vector<Tensor3<double>>& slope) const {
     const Tables& tables = *tables_;

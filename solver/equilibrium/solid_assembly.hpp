@@ -27,6 +27,13 @@ struct ViscousSlopes {
     std::vector<std::vector<double>> parameters;  ///< [materials][parameters]
 };
 
+/// What one quadrature point goes through.
+struct PointState {
+    Tensor3<double> gradient;  ///< H as its law has it (mean volume, plane stress)
+    Tensor3<double> stress;    ///< first Piola, kPa, that the forces are made of; 0 if not valid
+    double volume = 0;         ///< undeformed, mm^3
+};
+
 /// Energy, forces and stiffness of a SolidModel at a displacement (total Lagrangian: all integrals
 /// over the undeformed mesh), on the host in fp64. Elements of one colour (`element_colours`) are
 /// added at the same time, colours one after the other, so that sums have a fixed order.
@@ -46,6 +53,9 @@ public:
     /// Second Piola stresses of the laws alone at u, kPa [num_elements, num_points]; zero for
     /// materials without relaxation.
     std::vector<Tensor3<double>> elastic_stress(const Eigen::VectorXd& u) const;
+
+    /// All points at u, [num_elements, num_points], for reports.
+    std::vector<PointState> point_states(const Eigen::VectorXd& u) const;
 
     /// A matrix of the right pattern, all zeros.
     BlockMatrix make_matrix() const;

@@ -25,7 +25,7 @@ void check_times(const std::vector<LoadTime>& times) {
 
 std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,
                                        const EquilibriumOptions& options,
-                                       const ProgressSink& progress) {
+                                       const ProgressSink& progress, const TimeObserver& observer) {
     check_times(times);
     SolidAssembly solid(model);
     ViscousHistory history(model);
@@ -36,6 +36,7 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
         const double dt_s = at.time_s - now_s;
         if (has_relaxation(model)) history.begin_step(dt_s, solid);
         states.push_back(solve_equilibrium(solid, at.loads, options, start, progress));
+        if (observer) observer(solid, states.back());
         states.back().tangent.reset();  // the assembly ends with this function
         if (!states.back().converged) break;
         if (has_relaxation(model)) history.end_step(dt_s, solid, states.back().displacement);

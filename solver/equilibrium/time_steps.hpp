@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "solver/equilibrium/newton.hpp"
@@ -15,6 +16,9 @@ struct LoadTime {
     SolidLoads loads;
 };
 
+/// Sees each state of a history with the assembly that it is an equilibrium of.
+using TimeObserver = std::function<void(const SolidAssembly&, const Equilibrium&)>;
+
 /// Throws Error(invalid_argument) for times that do not ascend from above 0.
 void check_times(const std::vector<LoadTime>& times);
 
@@ -27,6 +31,7 @@ void check_times(const std::vector<LoadTime>& times);
 /// Error(invalid_argument) for times that do not ascend.
 std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,
                                        const EquilibriumOptions& options,
-                                       const ProgressSink& progress = {});
+                                       const ProgressSink& progress = {},
+                                       const TimeObserver& observer = {});
 
 }  // namespace palpate

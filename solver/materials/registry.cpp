@@ -30,7 +30,7 @@ std::string range_text(const ParameterRange& range) {
     if (has_highest)
         text += range.includes_highest ? fmt::format("at most {}", range.highest)
                                        : fmt::format("below {}", range.highest);
-    return text;
+    return text.empty() ? "any number" : text;
 }
 
 }  // namespace
@@ -50,6 +50,11 @@ const MaterialDescription& material_law(std::string_view name) {
                 fmt::format("There is no material law \"{}\"; choose one of: {}.", name, known));
 }
 
+std::string allowed_text(const MaterialParameter& parameter) {
+    return fmt::format("{}{}{} ({})", range_text(parameter.range), parameter.unit == "1" ? "" : " ",
+                       parameter.unit == "1" ? "" : parameter.unit, parameter.meaning);
+}
+
 void check_parameters(const MaterialDescription& law, std::span<const double> values) {
     if (values.size() != law.parameters.size())
         throw Error(ErrorCode::invalid_argument,
@@ -59,9 +64,8 @@ void check_parameters(const MaterialDescription& law, std::span<const double> va
         const MaterialParameter& parameter = law.parameters[k];
         if (!parameter.range.contains(values[k]))
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("The material law {} has {} = {}, which must be {} ({}).",
-                                    law.name, parameter.name, values[k],
-                                    range_text(parameter.range), parameter.meaning));
+                        fmt::format("The material law {} has {} = {}, which must be {}.", law.name,
+                                    parameter.name, values[k], allowed_text(parameter)));
     }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -29,6 +30,9 @@ const std::vector<MaterialDescription>& material_laws();
 
 /// Throws Error(invalid_argument) for an unknown name, with the names that there are.
 const MaterialDescription& material_law(std::string_view name);
+
+/// What a parameter may be: "above 0 kPa (bulk modulus at small strains)".
+std::string allowed_text(const MaterialParameter& parameter);
 
 /// Throws Error(invalid_argument) that names law, parameter, value and what is allowed.
 void check_parameters(const MaterialDescription& law, std::span<const double> values);

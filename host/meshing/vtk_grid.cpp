@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/meshing/vtk_grid.hpp"
+
+#include <vtkFieldData.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkStringArray.h>
+#include <vtkUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <algorithm>
+#include <exception>
+#include <type_traits>
+
+#include "host/imaging/files.hpp"
+#include "host/surfaces/vtk_messages.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void unreadable(const fs::path& path, const std::string& why) {
+    throw Error(ErrorCode::input_unreadable,
+                "cannot read the mesh '" + path.string() + "': " + why);
+}
+
+template <typename Reader>
+vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
+    VtkMessages messages;
+    vtkNew<Reader> reader;
+    reader->SetFileName(path.c_str());
+    if constexpr (std::is_same_v<Reader, vtkUnstructuredGridReader>) {
+        reader->ReadAllScalarsOn();
+        reader->ReadAllVectorsOn();
+        reader->ReadAllFieldsOn();
+    }
+    try {
+        reader->Update();
+    } catch (const std::exception& error) {  // sizes in damaged files
+        unreadable(path, error.what());
+    }
+    vtkSmartPointer<vtkUnstructuredGrid> grid = reader->GetOutput();
+    if (messages.any()) unreadable(path, "it is damaged: " + messages.last());
+    if (!grid || grid->GetNumberOfPoints() == 0 || !grid->GetPoints())
+        unreadable(path, "it holds no points");
+    return grid;
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkUnstructuredGrid> read_vtk_grid(const fs::path& path) {
+    if (const auto why = why_unreadable(path)) unreadable(path, *why);
+    const std::string extension = path.extension().string();
+    if (extension == ".vtu") return run_reader<vtkXMLUnstructuredGridReader>(path);
+    if (extension == ".vtk") return run_reader<vtkUnstructuredGridReader>(path);
+    unreadable(path, "its name must end in .vtu or .vtk");
+}
+
+void write_vtk_grid(const fs::path& path, vtkUnstructuredGrid& grid) {
+    vtkNew<vtkStringArray> space;
+    space->SetName("SPACE");
+    space->InsertNextValue("LPS");
+    grid.GetFieldData()->AddArray(space);
+    VtkMessages messages;
+    vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    writer->SetFileName(path.c_str());
+    writer->SetInputData(&grid);
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetCompressorTypeToZLib();
+    if (writer->Write() != 1 || messages.any())
+        throw Error(ErrorCode::output_failed,
+                    "cannot write the mesh '" + path.string() + "': " + messages.last());
+}
+
+vtkSmartPointer<vtkDoubleArray> vtk_array(const std::string& name,
+                                          const std::vector<double>& values) {
+    auto array = vtkSmartPointer<vtkDoubleArray>::New();
+    array->SetName(name.c_str());
+    array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
+    std::copy(values.begin(), values.end(), array->GetPointer(0));
+    return array;
+}
+
+vtkSmartPointer<vtkDoubleArray> vtk_array(const std::string& name,
+                                          const std::vector<Vec3>& values) {
+    auto array = vtkSmartPointer<vtkDoubleArray>::New();
+    array->SetName(name.c_str());
+    array->SetNumberOfComponents(3);
+    array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
+    for (std::size_t i = 0; i < values.size(); ++i)
+        array->SetTypedTuple(static_cast<vtkIdType>(i), values[i].data());
+    return array;
+}
+
+}  // namespace palpate
