@@ -119,6 +119,7 @@ bool EquilibriumSolve::find_change(const State& state, const Eigen::VectorXd& r,
     for (double shift = 0; shift < largest_shift; shift = is_shifted_ ? 4 * shift : 1e-3) {
         is_shifted_ = shift > 0;
         if (tangent_->factorise(state.u, shift) && tangent_->solve(r, change)) return true;
+        if (!tangent_->is_indefinite()) break;
     }
     failure_ = tangent_->failure();
     return false;

@@ -34,6 +34,8 @@ public:
     /// false: with K instead of K^T.
     bool solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r, Eigen::MatrixXd& x,
                           bool is_transposed = true);
+    /// Whether the last factorisation or solve failed because K is not positive definite.
+    bool is_indefinite() const { return solver_->is_indefinite(); }
     /// Why the last factorisation or solve failed.
     const std::string& failure() const { return solver_->failure(); }
     /// A norm of forces that says nothing: what rounding of u leaves of K u.

@@ -46,6 +46,7 @@ public:
     }
 
     bool set(const BlockMatrix& matrix, double shift) override {
+        is_indefinite_ = false;
         if (free_.count == 0) return true;
         constrain(matrix, shift);
         try {
@@ -69,6 +70,7 @@ public:
     bool solve(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) override {
         const std::lock_guard<std::mutex> lock(mutex_);  // a device has one queue
         constexpr Eigen::Index batch = 16;
+        is_indefinite_ = false;
         for (Eigen::Index first = 0; first < right.cols() && free_.count > 0; first += batch) {
             const Eigen::Index count = std::min(batch, right.cols() - first);
             if (!solve_batch(right.middleCols(first, count), x.middleCols(first, count)))
@@ -77,14 +79,18 @@ public:
         return true;
     }
 
+    bool is_indefinite() const override { return is_indefinite_; }
     const std::string& failure() const override { return failure_; }
 
 private:
+    bool finds_indefinite(const std::string& failure) {
+        failure_ = failure;
+        is_suspect_ = is_indefinite_ = true;
+        return false;
+    }
     bool fails(const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw error;
-        failure_ = error.what();
-        is_suspect_ = true;
-        return false;
+        return finds_indefinite(error.what());
     }
 
     /// The identity at held dofs, the shift on the diagonal of the others.
@@ -114,7 +120,8 @@ private:
     bool is_new_ = false;       ///< the preconditioner is that of the present matrix
     bool is_worn_out_ = false;  ///< too many iterations with it
     bool is_suspect_ = false;   ///< the matrix before was not positive definite
-    int fewest_iterations_ = 0;
+    bool is_indefinite_ = false;
+    int iterations_when_new_ = 0;
     std::string failure_;
 };
 
@@ -172,7 +179,7 @@ void GradientSolver::renew_preconditioner() {
     if (!cg_) cg_.emplace(*backend_, *matrix_, *preconditioner_, Curvature::watched);
     is_new_ = true;
     is_worn_out_ = false;
-    fewest_iterations_ = 0;
+    iterations_when_new_ = 0;
 }
 
 void GradientSolver::renew_multigrid() {
@@ -217,21 +224,20 @@ bool GradientSolver::iterate(const Columns& right, double tolerance, Columns& x)
     const std::vector<double> target(right.cols(), tolerance);
     try {
         const int iterations = cg_->solve(right, target, options_.max_iterations, x);
-        if (cg_->met_negative_curvature()) {
-            failure_ = "the tangent is not positive definite";
-            is_suspect_ = true;
-            return false;
-        }
+        if (cg_->met_negative_curvature())
+            return finds_indefinite("the tangent is not positive definite");
         if (iterations >= options_.max_iterations) {
             if (!is_new_) {
                 renew_preconditioner();
                 return iterate(right, tolerance, x);
             }
-            failure_ = "conjugate gradients do not get there; solve directly";
+            failure_ = std::to_string(iterations) +
+                       " conjugate gradients do not solve with the tangent: factorise it, or use "
+                       "double precision";
             return false;
         }
-        if (is_new_) fewest_iterations_ = std::max(fewest_iterations_, iterations);
-        is_worn_out_ = iterations > worn_out * fewest_iterations_ + spare_iterations;
+        if (is_new_) iterations_when_new_ = std::max(iterations_when_new_, iterations);
+        is_worn_out_ = iterations > worn_out * iterations_when_new_ + spare_iterations;
     } catch (const Error& error) {
         return fails(error);
     }

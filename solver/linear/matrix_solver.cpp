@@ -22,6 +22,7 @@ public:
           factor_(make_sparse_factor(options.direct_library)) {}
 
     bool set(const BlockMatrix& matrix, double shift) override {
+        is_indefinite_ = false;
         if (free_.count == 0) return true;
         SparseFactor::Lower lower = free_lower(matrix, free_);
         if (shift > 0) {
@@ -35,6 +36,7 @@ public:
         } catch (const Error& error) {
             if (error.code() != ErrorCode::solve_failed) throw;
             failure_ = error.what();
+            is_indefinite_ = true;
             return false;
         }
         return true;
@@ -60,12 +62,14 @@ public:
         return true;
     }
 
+    bool is_indefinite() const override { return is_indefinite_; }
     const std::string& failure() const override { return failure_; }
 
 private:
     FreeDofs free_;
     std::unique_ptr<SparseFactor> factor_;
     bool is_analysed_ = false;
+    bool is_indefinite_ = false;
     std::string failure_;
 };
 

@@ -36,6 +36,9 @@ public:
     /// iterations do not get there: x then means nothing.
     ///   right, x  [3 num_nodes, columns]
     virtual bool solve(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) = 0;
+    /// Whether the last `set` or `solve` found the matrix not to be positive definite: a larger
+    /// shift may then help.
+    virtual bool is_indefinite() const = 0;
     /// Why the last `set` or `solve` failed.
     virtual const std::string& failure() const = 0;
 };
