@@ -44,11 +44,13 @@ Eigen::MatrixXd times_rows(const Matrix& matrix, const Eigen::MatrixXd& x,
 }  // namespace
 
 ReducedModel::ReducedModel(std::vector<CondensedRegion> regions, Index num_observed,
-                           Index num_driven, std::vector<double> stiffness_kpa)
+                           Index num_driven, std::vector<double> stiffness_kpa,
+                           LinearisationPoint point)
     : regions_(std::move(regions)),
       num_observed_(num_observed),
       num_driven_(num_driven),
-      stiffness_kpa_(std::move(stiffness_kpa)) {}
+      stiffness_kpa_(std::move(stiffness_kpa)),
+      point_(std::move(point)) {}
 
 bool ReducedModel::has_region(Index region) const {
     return std::any_of(regions_.begin(), regions_.end(),
@@ -86,6 +88,17 @@ Eigen::MatrixXd ReducedModel::unit_coupling_times(const CondensedRegion& region,
                           region.observed, num_observed_);
 }
 
+Eigen::VectorXd ReducedModel::unit_force(const CondensedRegion& region) const {
+    if (region.observed_force.size() == 0) return Eigen::VectorXd::Zero(observed_dofs());
+    return scattered_rows(region.observed_force, region.observed, num_observed_);
+}
+
+Eigen::VectorXd ReducedModel::imbalance(const std::vector<double>& kpa) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(observed_dofs());
+    for (const auto& region : regions_) sum += kpa[region.region] * unit_force(region);
+    return sum;
+}
+
 Eigen::MatrixXd ReducedModel::coupling_times(const std::vector<double>& kpa,
                                              const Eigen::MatrixXd& driven) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
@@ -111,8 +124,10 @@ Eigen::MatrixXd ReducedModel::transposed_coupling_times(const std::vector<double
 Eigen::VectorXd ReducedModel::observed_displacement(const std::vector<double>& kpa,
                                                     const Eigen::VectorXd& driven) const {
     if (num_observed_ == 0) return {};
-    return -cholesky(stiffness(kpa), "stiffness of the observed nodes")
-                .solve(coupling_times(kpa, driven));
+    const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
+    if (point_.is_rest()) return -equilibrium.solve(coupling_times(kpa, driven));
+    const Eigen::VectorXd moved = coupling_times(kpa, driven - point_.driven);
+    return point_.observed - equilibrium.solve(moved + imbalance(kpa));
 }
 
 Eigen::LLT<Eigen::MatrixXd> cholesky(const Eigen::MatrixXd& matrix, const char* what) {

@@ -178,7 +178,7 @@ TEST(Marginal, MisfitIsTheObjectiveWithoutThePriorOfTheModuli) {
 TEST(Marginal, SearchEndsWhereTheGradientVanishes) {
     Fixture f;
     const auto problem = f.problem();
-    const ModulusBounds bounds{std::log(0.01), std::log(1e6)};
+    const ModulusBounds bounds = same_bounds(2, std::log(0.01), std::log(1e6));
 
     const auto found = minimise_moduli(problem, scan_moduli(problem, bounds), bounds);
 
