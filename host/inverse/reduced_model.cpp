@@ -52,6 +52,22 @@ ReducedModel::ReducedModel(std::vector<CondensedRegion> regions, Index num_obser
       stiffness_kpa_(std::move(stiffness_kpa)),
       point_(std::move(point)) {}
 
+void ReducedModel::move_to(LinearisationPoint point, const std::vector<CondensedRegion>& forces) {
+    const bool fits =
+        std::equal(regions_.begin(), regions_.end(), forces.begin(), forces.end(),
+                   [](const auto& mine, const auto& other) {
+                       return mine.region == other.region && mine.observed == other.observed;
+                   });
+    if (!fits) {
+        throw Error(ErrorCode::invalid_argument,
+                    "forces of other regions than those that were condensed");
+    }
+    for (std::size_t r = 0; r < regions_.size(); ++r) {
+        regions_[r].observed_force = forces[r].observed_force;
+    }
+    point_ = std::move(point);
+}
+
 bool ReducedModel::has_region(Index region) const {
     return std::any_of(regions_.begin(), regions_.end(),
                        [&](const auto& condensed) { return condensed.region == region; });

@@ -34,6 +34,9 @@ public:
     const LinearisationPoint& point() const { return point_; }
     /// Moduli of all regions as they were given [num regions].
     const std::vector<double>& stiffness_kpa() const { return stiffness_kpa_; }
+    /// The same blocks about another point near the old one, with the forces there (`region_forces`
+    /// of the same model). Throws Error(invalid_argument) if they are of other regions.
+    void move_to(LinearisationPoint point, const std::vector<CondensedRegion>& forces);
     /// Whether a region's modulus has any influence on the observed nodes.
     bool has_region(Index region) const;
 

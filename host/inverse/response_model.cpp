@@ -49,6 +49,17 @@ std::vector<double> ResponseModel::moduli(const std::vector<Index>& regions,
     return kpa;
 }
 
+ResponseModel ResponseModel::moved_with(const ReducedModel& model) const {
+    ResponseModel moved = *this;
+    moved.parts_.point = model.point();
+    moved.parts_.stiffness_kpa = model.stiffness_kpa();
+    for (std::size_t r = 0; r < moved.parts_.regions.size(); ++r) {
+        moved.parts_.regions[r].force =
+            parts_.modes.transpose() * model.unit_force(model.regions()[r]);
+    }
+    return moved;
+}
+
 Eigen::MatrixXd ResponseModel::stiffness(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_modes());
     for (const Region& part : parts_.regions) sum += kpa[part.region] * part.stiffness;

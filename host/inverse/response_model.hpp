@@ -60,6 +60,10 @@ public:
                                     const std::vector<Index>& unknown,
                                     const ResponseOptions& options);
 
+    /// The same modes and functionals about the point of `model`, which has moved a little
+    /// (`ReducedModel::move_to`) since this was made from it.
+    ResponseModel moved_with(const ReducedModel& model) const;
+
     Index num_modes() const { return static_cast<Index>(parts_.modes.cols()); }
     Index num_functionals() const { return static_cast<Index>(parts_.functionals.rows()); }
     Index driven_dofs() const { return static_cast<Index>(parts_.functionals.cols()); }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "host/inverse/uncertainty.hpp"
@@ -19,6 +20,9 @@ constexpr double least_modulus_change = 1e-3;  // of ln E
 /// Factor on the moduli within which a tangent is trusted: far from the moduli for which its state
 /// is in equilibrium, it need not be stable.
 constexpr double widest_reach = 3.0, narrowest_reach = 1.2;
+/// Root mean square over all components by which a state may move before its tangents are taken
+/// again: a hundredth of the size of the organs.
+constexpr double near_mm = 0.3;
 /// What a response model may leave out, as a part of the least noise.
 constexpr double left_out_of_noise = 0.1;
 /// A step of the search costs a fiftieth of a round, so that each search goes further than one
@@ -42,6 +46,10 @@ double mean_noise_mm(const SurfaceObservations& observations) {
     return std::sqrt(sum / std::max<Index>(1, observations.num_rows()));
 }
 
+double root_mean_square(const Eigen::VectorXd& values) {
+    return values.norm() / std::sqrt(std::max<double>(1, values.size()));
+}
+
 class Rounds {
 public:
     Rounds(const Mechanics& rest, TissueLaw law, const SurfaceObservations& observations,
@@ -60,7 +68,10 @@ private:
     void find_equilibrium();
     Equilibrium equilibrium_from(const Eigen::VectorXd& start) const;
     void linearise();
-    ResponseModel respond(const ReducedModel& reduced);
+    void take_tangents();
+    void move_tangents();
+    LinearisationPoint point() const;
+    ResponseModel respond(double tolerance_mm);
     void search();
     void keep_records();
     void judge();
@@ -79,6 +90,9 @@ private:
     FiniteStrainEstimate found_;
     Eigen::VectorXd last_theta_;
     std::vector<IterationRecord> records_;  ///< of all searches
+    std::optional<ReducedModel> reduced_;   ///< of the last tangents
+    Eigen::VectorXd tangent_at_;            ///< where they were taken, [3 num_nodes] mm
+    double tolerance_mm_ = 0;               ///< of the last response model
     CondensationSummary condensation_;
     double reach_ = widest_reach;
     double noise_mm_;
@@ -122,25 +136,50 @@ void Rounds::find_equilibrium() {
 void Rounds::linearise() {
     least_noise_mm_ = noise_mm_ * std::clamp(found_.gap_mm / noise_mm_,
                                              options_.search.smallest_noise_scale, 1.0);
-    const RecoveryModel& recovery = rest_.recovery;
-    const Eigen::VectorXd& u = found_.state.displacement;
-    const ReducedModel reduced(condense_at({name_of(law_), u}, model_, recovery.observed,
-                                           recovery.driven, options_.solver, &condensation_),
-                               static_cast<Index>(recovery.observed.size()),
-                               static_cast<Index>(recovery.driven.size()), moduli_of(model_),
-                               {at_nodes(u, recovery.driven), at_nodes(u, recovery.observed)});
-    found_.response = std::make_shared<ResponseModel>(respond(reduced));
+    const double tolerance_mm =
+        std::clamp(left_out_of_noise * least_noise_mm_, options_.response.tolerance_mm,
+                   ResponseOptions{}.tolerance_mm);
+    const bool is_near =
+        reduced_ && root_mean_square(found_.state.displacement - tangent_at_) < near_mm;
+    is_near ? move_tangents() : take_tangents();
+    if (is_near && tolerance_mm > 0.5 * tolerance_mm_) {
+        found_.response = std::make_shared<ResponseModel>(found_.response->moved_with(*reduced_));
+    } else {
+        found_.response = std::make_shared<ResponseModel>(respond(tolerance_mm));
+        tolerance_mm_ = tolerance_mm;
+    }
     ++found_.rounds;
 }
 
+LinearisationPoint Rounds::point() const {
+    const Eigen::VectorXd& u = found_.state.displacement;
+    return {at_nodes(u, rest_.recovery.driven), at_nodes(u, rest_.recovery.observed)};
+}
+
+void Rounds::take_tangents() {
+    const RecoveryModel& recovery = rest_.recovery;
+    tangent_at_ = found_.state.displacement;
+    reduced_.emplace(condense_at({name_of(law_), tangent_at_}, model_, recovery.observed,
+                                 recovery.driven, options_.solver, &condensation_),
+                     static_cast<Index>(recovery.observed.size()),
+                     static_cast<Index>(recovery.driven.size()), moduli_of(model_), point());
+    reach_ = widest_reach;
+}
+
+/// Near the end the last tangents do as well as new ones, about the new equilibrium.
+void Rounds::move_tangents() {
+    const RecoveryModel& recovery = rest_.recovery;
+    reduced_->move_to(point(), region_forces({name_of(law_), found_.state.displacement}, model_,
+                                             recovery.observed, recovery.driven));
+}
+
 /// With the widest reach in which the linearised body is stable.
-ResponseModel Rounds::respond(const ReducedModel& reduced) {
+ResponseModel Rounds::respond(double tolerance_mm) {
     ResponseOptions response = options_.response;
-    response.tolerance_mm = std::clamp(left_out_of_noise * least_noise_mm_, response.tolerance_mm,
-                                       ResponseOptions{}.tolerance_mm);
+    response.tolerance_mm = tolerance_mm;
     for (response.reach = reach_;; response.reach = reach_ = std::sqrt(reach_)) {
         try {
-            return ResponseModel::compressed(reduced, rest_.walls, unknown(), response);
+            return ResponseModel::compressed(*reduced_, rest_.walls, unknown(), response);
         } catch (const Error& error) {
             if (error.code() != ErrorCode::solve_failed || reach_ < narrowest_reach) throw;
         }

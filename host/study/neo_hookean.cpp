@@ -19,6 +19,7 @@ namespace {
 constexpr double assumed_kpa = 10;  // of the surrounding tissue
 /// What linear elasticity leaves of such deformations: the noise at the start.
 constexpr double first_noise_mm = 0.5;
+constexpr double least_noise_mm = 0.01;
 
 struct Truth {
     PelvisOptions options;
@@ -50,8 +51,11 @@ Outcome recover_from_surfaces(const Truth& truth, const StudyOptions& options,
     FiniteStrainOptions search;
     search.search = exact_search(first_noise_mm);
     search.search.noise_iterations = 3;
-    search.displacement_tolerance_mm = 0.005;
+    search.search.smallest_noise_scale = least_noise_mm / first_noise_mm;
+    search.displacement_tolerance_mm = 0.5 * least_noise_mm;
+    search.modulus_tolerance_sd = 0.3;
     search.model_sd_ln = 0;
+    search.max_rounds = 12;
     search.response = exact_response(0.002);
     search.solver = solver;
     Outcome outcome;

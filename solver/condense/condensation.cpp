@@ -129,6 +129,13 @@ Index num_columns_of(const SubModel& sub) {
     return 3 * static_cast<Index>(sub.observed_nodes.size());
 }
 
+/// The part of a region's nodal forces that is at its observed nodes.
+void set_force(SubModel& sub, const Eigen::VectorXd& force) {
+    sub.block.observed_force.resize(num_columns_of(sub));
+    for (std::size_t i = 0; i < sub.observed_nodes.size(); ++i)
+        sub.block.observed_force.segment<3>(3 * i) = force.segment<3>(3 * sub.observed_nodes[i]);
+}
+
 /// Every free node must hang together with a prescribed one, or K_ii is singular.
 void require_held(const SubModel& sub) {
     const Adjacency graph = node_graph(sub.model.mesh);
@@ -209,11 +216,7 @@ public:
                 reactions(region->stiffness(), sub.driven_nodes, x).transpose();
         }
         symmetrise(sub.block.observed_observed);
-        if (region->force().size() == 0) return;
-        sub.block.observed_force.resize(num_columns);
-        for (std::size_t i = 0; i < sub.observed_nodes.size(); ++i)
-            sub.block.observed_force.segment<3>(3 * i) =
-                region->force().segment<3>(3 * sub.observed_nodes[i]);
+        if (region->force().size() > 0) set_force(sub, region->force());
     }
 
     CondensationSummary summary;
@@ -256,23 +259,28 @@ private:
     Index most_columns_ = 0;  ///< of the regions so far
 };
 
+/// The regions that an observed node touches.
+std::vector<SubModel> observed_regions(const Model& model, const std::vector<Index>& observed,
+                                       const std::vector<Index>& driven) {
+    check_model(model);
+    const NodeRoles roles = assign_roles(model, observed, driven);
+    require_separate_interiors(model, roles);
+    std::vector<SubModel> parts;
+    for (Index region = 0; region < static_cast<Index>(model.materials.size()); ++region) {
+        SubModel sub = extract_region(model, roles, region);
+        if (!sub.observed_nodes.empty()) parts.push_back(std::move(sub));
+    }
+    return parts;
+}
+
 std::vector<CondensedRegion> condense_regions(
     const Model& model, const std::vector<Index>& observed, const std::vector<Index>& driven,
     const MakeMechanics& make_mechanics, const LinearSolverOptions& options,
     CondensationSummary* summary, const ProgressSink& progress) {
     const auto start = std::chrono::steady_clock::now();
-    check_model(model);
-    const NodeRoles roles = assign_roles(model, observed, driven);
-    require_separate_interiors(model, roles);
-
-    std::vector<SubModel> parts;
+    std::vector<SubModel> parts = observed_regions(model, observed, driven);
     Index columns = 0;
-    for (Index region = 0; region < static_cast<Index>(model.materials.size()); ++region) {
-        SubModel sub = extract_region(model, roles, region);
-        if (sub.observed_nodes.empty()) continue;
-        columns += num_columns_of(sub);
-        parts.push_back(std::move(sub));
-    }
+    for (const SubModel& sub : parts) columns += num_columns_of(sub);
     Condensation condensation(options, progress, columns);
     std::vector<CondensedRegion> result;
     for (SubModel& sub : parts) {
@@ -296,6 +304,14 @@ Eigen::VectorXd part_of(const Eigen::VectorXd& displacement, const SubModel& sub
     return part;
 }
 
+void check_state(const DeformedState& state, const Model& model) {
+    if (state.displacement.size() != model.num_dofs())
+        throw Error(ErrorCode::invalid_argument,
+                    "Condensation: a state needs 3 displacements per node, " +
+                        std::to_string(model.num_dofs()) + ", not " +
+                        std::to_string(state.displacement.size()) + ".");
+}
+
 }  // namespace
 
 std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
@@ -314,15 +330,23 @@ std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model
                                          const LinearSolverOptions& options,
                                          CondensationSummary* summary,
                                          const ProgressSink& progress) {
-    if (state.displacement.size() != model.num_dofs())
-        throw Error(ErrorCode::invalid_argument,
-                    "Condensation: a state needs 3 displacements per node, " +
-                        std::to_string(model.num_dofs()) + ", not " +
-                        std::to_string(state.displacement.size()) + ".");
+    check_state(state, model);
     const auto tangent = [&](const SubModel& sub, const LinearSolverOptions& solver) {
         return make_tangent_region(sub.model, state.law, part_of(state.displacement, sub), solver);
     };
     return condense_regions(model, observed, driven, tangent, options, summary, progress);
+}
+
+std::vector<CondensedRegion> region_forces(const DeformedState& state, const Model& model,
+                                           const std::vector<Index>& observed,
+                                           const std::vector<Index>& driven) {
+    check_state(state, model);
+    std::vector<CondensedRegion> result;
+    for (SubModel& sub : observed_regions(model, observed, driven)) {
+        set_force(sub, force_of_region(sub.model, state.law, part_of(state.displacement, sub)));
+        result.push_back(std::move(sub.block));
+    }
+    return result;
 }
 
 }  // namespace palpate

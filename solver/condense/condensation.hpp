@@ -66,4 +66,9 @@ std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model
                                          CondensationSummary* summary = nullptr,
                                          const ProgressSink& progress = {});
 
+/// The g_r of `condense_at` alone, with the regions and their observed nodes; no blocks.
+std::vector<CondensedRegion> region_forces(const DeformedState& state, const Model& model,
+                                           const std::vector<Index>& observed,
+                                           const std::vector<Index>& driven);
+
 }  // namespace palpate

@@ -34,11 +34,15 @@ struct Tangent {
     Eigen::VectorXd force;
 };
 
-Tangent tangent_of(const Model& part, const std::string& law, const Eigen::VectorXd& u) {
+SolidModel solid_of(const Model& part, const std::string& law) {
     const LinearElastic& material = part.materials.front();
-    const SolidAssembly solid({solid_mesh_of(part.mesh),
-                               {{law, {material.stiffness_kpa, material.poisson_ratio}}},
-                               part.prescribed});
+    return {solid_mesh_of(part.mesh),
+            {{law, {material.stiffness_kpa, material.poisson_ratio}}},
+            part.prescribed};
+}
+
+Tangent tangent_of(const Model& part, const std::string& law, const Eigen::VectorXd& u) {
+    const SolidAssembly solid(solid_of(part, law));
     Tangent tangent;
     static_cast<BlockMatrix&>(tangent.stiffness) = solid.make_matrix();
     solid.tangent(u, tangent.stiffness);
@@ -79,6 +83,11 @@ std::unique_ptr<RegionMechanics> make_tangent_region(const Model& part, const st
                                                      const Eigen::VectorXd& u,
                                                      const LinearSolverOptions& options) {
     return std::make_unique<TangentRegion>(tangent_of(part, law, u), part, options);
+}
+
+Eigen::VectorXd force_of_region(const Model& part, const std::string& law,
+                                const Eigen::VectorXd& u) {
+    return SolidAssembly(solid_of(part, law)).internal_force(u).force;
 }
 
 }  // namespace palpate

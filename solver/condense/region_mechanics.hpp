@@ -36,4 +36,8 @@ std::unique_ptr<RegionMechanics> make_tangent_region(const Model& part, const st
                                                      const Eigen::VectorXd& u,
                                                      const LinearSolverOptions& options);
 
+/// Its `force` alone.
+Eigen::VectorXd force_of_region(const Model& part, const std::string& law,
+                                const Eigen::VectorXd& u);
+
 }  // namespace palpate
