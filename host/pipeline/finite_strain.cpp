@@ -24,7 +24,7 @@ constexpr double widest_reach = 3.0, narrowest_reach = 1.2;
 /// again: a hundredth of the size of the organs.
 constexpr double near_mm = 0.3;
 /// What a response model may leave out, as a part of the least noise.
-constexpr double left_out_of_noise = 0.1;
+constexpr double left_out_of_noise = 0.3;
 /// A step of the search costs a fiftieth of a round, so that each search goes further than one
 /// alone.
 constexpr double finer_tolerance = 0.2;
