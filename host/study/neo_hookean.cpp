@@ -8,7 +8,6 @@
 
 #include "host/inverse/uncertainty.hpp"
 #include "host/pipeline/finite_strain.hpp"
-#include "host/report/findings.hpp"
 #include "host/study/beside.hpp"
 #include "host/study/exact_observations.hpp"
 #include "host/study/pelvis_case.hpp"
@@ -113,9 +112,10 @@ TextTable beside_table(const std::vector<Row>& rows, const std::string& key,
                 row.number("expected_kpa"),
                 (column == std::string("found_kpa") ? "neo-Hookean, seed " : "linear, seed ") +
                     row.text("seed"),
-                significant(row.number(column)));
+                fmt::format("{:.2f}", row.number(column)));
     for (const auto& value : published)
-        table.add(value.expected_kpa, "published, " + value.scene, significant(value.found_kpa));
+        table.add(value.expected_kpa, "published, " + value.scene,
+                  fmt::format("{:g}", value.found_kpa));
     return table.table();
 }
 
