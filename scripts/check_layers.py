@@ -33,7 +33,7 @@ ALLOWED = {
     "solver/linear": BACKEND,
     "solver/equilibrium": BACKEND + ["solver/linear"],
     "solver/adjoint": BACKEND + ["solver/linear", "solver/equilibrium"],
-    "solver/condense": BACKEND + ["solver/linear"],
+    "solver/condense": BACKEND + ["solver/linear", "solver/equilibrium"],
     # The mesh program is licensed apart: it shares the exchange format and plain types, no more.
     "host/mesh_tool": ["solver/base", "solver/mesh", "host/meshing/exchange",
                        "host/meshing/dihedral"],

@@ -18,7 +18,7 @@ struct PhantomArguments {
     PelvisOptions pelvis;
     std::vector<double> spacing{1, 1, 1};
     std::vector<double> zones_kpa;
-    std::string out;
+    std::string out, material = name_of(TissueLaw::linear);
     SolverArguments solver;
     MesherArguments mesher;
     bool quiet = false;
@@ -36,6 +36,7 @@ int run_pelvis(PhantomArguments arguments) {
         arguments.pelvis.zone_stiffness_kpa = {arguments.zones_kpa[0], arguments.zones_kpa[1]};
     }
     arguments.pelvis.num_nodes = arguments.mesher.nodes;
+    arguments.pelvis.law = tissue_law_of(arguments.material);
     const auto progress = console_progress(arguments.quiet);
     const PelvisPhantom phantom = make_pelvis(arguments.pelvis, solver_options(arguments.solver),
                                               mesher_options(arguments.mesher), progress);
@@ -72,6 +73,11 @@ void add_phantom(CLI::App& app, Run& run) {
         ->add_option("--tangential", options.tangential_factor,
                      "Factor on the walls' motion along themselves")
         ->check(CLI::Range(0.0, 10.0))
+        ->capture_default_str();
+    pelvis
+        ->add_option("--material", arguments->material,
+                     "Law of all tissue: linear (small strains), neo-hookean (large deformation)")
+        ->check(CLI::IsMember({"linear", "neo-hookean"}))
         ->capture_default_str();
     pelvis
         ->add_option("--load-factor", options.load_factor,

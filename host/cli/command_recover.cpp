@@ -23,7 +23,7 @@ struct RecoverArguments {
     std::string reference, config, out, mesh, transform, save_reduced, load_reduced;
     std::vector<std::string> targets;
     PartialTargetArguments partial;
-    std::string align = "auto", method = "map";
+    std::string align = "auto", method = "map", material = name_of(TissueLaw::linear);
     SolverArguments solver;
     MesherArguments mesher;
     int max_iterations = MapOptions{}.max_iterations;
@@ -51,6 +51,7 @@ RecoverOptions recover_options(const RecoverArguments& arguments) {
     options.search.max_iterations = arguments.max_iterations;
     options.search.start_kpa = arguments.start_kpa;
     options.method = arguments.method == "map" ? SearchMethod::map : SearchMethod::nested_lbfgs;
+    options.law = tissue_law_of(arguments.material);
     options.nested.max_outer_iterations = arguments.max_iterations;
     options.nested.time_limit_s = arguments.search_time_s;
     options.nested.direct_library = options.solver.direct_library;
@@ -201,6 +202,12 @@ void add_recover(CLI::App& app, Run& run) {
                      "Search: map (with intervals), nested-lbfgs (the published baseline: slow, "
                      "no intervals)")
         ->check(CLI::IsMember({"map", "nested-lbfgs"}))
+        ->capture_default_str();
+    command
+        ->add_option("--material", arguments->material,
+                     "Law of all tissue: linear (small strains), neo-hookean (large deformation; "
+                     "about three times the time)")
+        ->check(CLI::IsMember({"linear", "neo-hookean"}))
         ->capture_default_str();
     command
         ->add_option("--search-time", arguments->search_time_s,

@@ -35,6 +35,10 @@ Eigen::VectorXd in_standard_deviations(const Eigen::VectorXd& change, const Modu
     return change.cwiseQuotient(variance.cwiseAbs().cwiseSqrt());
 }
 
+ModulusBounds all_bounds(const MapOptions& options, Index num_unknown) {
+    return same_bounds(num_unknown, std::log(options.smallest_kpa), std::log(options.largest_kpa));
+}
+
 /// Rows that the objective is over. Held through a step, so that no step pays by moving surfaces to
 /// where the target does not show them.
 using Counted = std::vector<std::uint8_t>;
@@ -57,13 +61,15 @@ public:
           priors_(priors),
           options_(options),
           progress_(progress),
-          bounds_{std::log(options.smallest_kpa), std::log(options.largest_kpa)} {}
+          bounds_(all_bounds(options, static_cast<Index>(priors.size()))) {}
 
     MapEstimate run();
     MapEstimate run_from(const MapEstimate& earlier);
+    MapEstimate run_near(const MapEstimate& earlier);
 
 private:
-    MapEstimate iterate(State state);
+    /// `is_scanned`: the moduli start at the best of a coarse scan, not at those of `state`.
+    MapEstimate iterate(State state, bool is_scanned);
     State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
                    const Counted& counted) const;
     double objective_of(const State& state, const Counted& counted) const;
@@ -247,16 +253,26 @@ MapEstimate Search::run() {
         settle_walls(recounted(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, all)));
 
     noise_.update(noise_.scale(), state.seen);
-    return iterate(recounted(state));
+    return iterate(recounted(state), true);
 }
 
 MapEstimate Search::run_from(const MapEstimate& earlier) {
     noise_ = *earlier.noise;
     held_ = earlier.counted;
-    return iterate(state_at(earlier.driven, earlier.theta, held_));
+    return iterate(state_at(earlier.driven, earlier.theta, held_), false);
 }
 
-MapEstimate Search::iterate(State state) {
+MapEstimate Search::run_near(const MapEstimate& earlier) {
+    noise_ = *earlier.noise;
+    if (options_.reach > 1) {
+        const auto reach = Eigen::ArrayXd::Constant(earlier.theta.size(), std::log(options_.reach));
+        bounds_.lower_ln = bounds_.lower_ln.cwiseMax((earlier.theta.array() - reach).matrix());
+        bounds_.upper_ln = bounds_.upper_ln.cwiseMin((earlier.theta.array() + reach).matrix());
+    }
+    return iterate(recounted(state_at(earlier.driven, earlier.theta, earlier.counted)), false);
+}
+
+MapEstimate Search::iterate(State state, bool is_scanned) {
     Termination termination{
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
@@ -265,7 +281,7 @@ MapEstimate Search::iterate(State state) {
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
         const Eigen::VectorXd start =
-            k == 1 && held_.empty() ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
+            k == 1 && is_scanned ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
         if (k == 1) state = recounted(state_at(state.driven, start, state.seen.seen));
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
@@ -326,21 +342,31 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.objective =
         state.objective + 0.5 * (problem.evaluate(state.theta, false).log_determinant -
                                  problem.noise_log_determinant());
-    estimate.covariance = laplace_covariance(problem, state.theta);
-    const Eigen::MatrixXd information = problem.seen_information(state.theta);
-    estimate.seen_sd_ln = seen_sd_ln(information, priors_);
-    estimate.sensitivity = scaled_sensitivity(information, priors_);
-    for (Index k = 0; k < problem.num_unknown(); ++k) {
-        estimate.profiles.push_back(profile_of(problem, state.theta, estimate.covariance, k));
-        estimate.interval_kpa.push_back(
-            profile_interval(estimate.profiles.back(), std::exp(state.theta[k])));
-        estimate.excluded_ends.push_back(
-            excluded_ends(problem, state.theta, estimate.covariance, k, bounds_));
-    }
+    take_uncertainty(problem, options_, estimate);
     return estimate;
 }
 
 }  // namespace
+
+void take_uncertainty(const LinearisedProblem& problem, const MapOptions& options,
+                      MapEstimate& estimate) {
+    const Eigen::VectorXd& theta = estimate.theta;
+    const ModulusBounds bounds = all_bounds(options, problem.num_unknown());
+    estimate.covariance = laplace_covariance(problem, theta);
+    const Eigen::MatrixXd information = problem.seen_information(theta);
+    estimate.seen_sd_ln = seen_sd_ln(information, problem.priors());
+    estimate.sensitivity = scaled_sensitivity(information, problem.priors());
+    estimate.profiles.clear();
+    estimate.interval_kpa.clear();
+    estimate.excluded_ends.clear();
+    for (Index k = 0; k < problem.num_unknown(); ++k) {
+        estimate.profiles.push_back(profile_of(problem, theta, estimate.covariance, k));
+        estimate.interval_kpa.push_back(
+            profile_interval(estimate.profiles.back(), std::exp(theta[k])));
+        estimate.excluded_ends.push_back(
+            excluded_ends(problem, theta, estimate.covariance, k, bounds));
+    }
+}
 
 MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const SurfaceObservations& observations,
@@ -354,6 +380,13 @@ MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& m
                               const std::vector<ModulusPrior>& priors, const MapOptions& options,
                               const ProgressSink& progress) {
     return Search(model, walls, observations, priors, options, progress).run_from(earlier);
+}
+
+MapEstimate map_estimate_near(const MapEstimate& earlier, const ResponseModel& model,
+                              const WallPrior& walls, const SurfaceObservations& observations,
+                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const ProgressSink& progress) {
+    return Search(model, walls, observations, priors, options, progress).run_near(earlier);
 }
 
 }  // namespace palpate

@@ -24,7 +24,9 @@ struct MapOptions {
     double modulus_tolerance_sd = 0.1;
     double objective_tolerance_per_row = 1e-3;
     double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
-    double start_kpa = 0;                          ///< of all unknown moduli; 0: the prior's median
+    /// If above 1: every modulus stays within this factor of where the search starts.
+    double reach = 0;
+    double start_kpa = 0;               ///< of all unknown moduli; 0: the prior's median
     bool estimate_noise = true;         ///< scale sigma_n to what the observed surface shows
     double smallest_noise_scale = 0.3;  ///< lower for surfaces without voxels
     /// sigma_n and the terraces are held from here on, so that the steps can settle.
@@ -70,5 +72,17 @@ MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& m
                               const WallPrior& walls, const SurfaceObservations& observations,
                               const std::vector<ModulusPrior>& priors, const MapOptions& options,
                               const ProgressSink& progress = {});
+
+/// The same, started at an earlier estimate from the same observations with a model that differs a
+/// little; nothing is held.
+MapEstimate map_estimate_near(const MapEstimate& earlier, const ResponseModel& model,
+                              const WallPrior& walls, const SurfaceObservations& observations,
+                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const ProgressSink& progress = {});
+
+/// Covariance, profiles and all that is judged by from the inverse problem `problem`, linearised at
+/// the estimate or near it.
+void take_uncertainty(const LinearisedProblem& problem, const MapOptions& options,
+                      MapEstimate& estimate);
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
@@ -45,7 +46,7 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
       priors_(priors),
       unknown_(regions_of(priors)) {
     read_rows(rows, observed);
-    mean_ = model.functionals() * walls_.mean();
+    mean_ = model.motion_of(walls_.mean());
     spread_root_ =
         model.significant_root(walls_.covariance_of(model.spread(), model.prior_covariance()));
     Eigen::MatrixXd motions(mean_.size(), rank() + 1);
@@ -54,6 +55,11 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
     for (const auto& region : model.regions()) {
         coupling_.emplace_back();
         if (region.coupling.size() > 0) coupling_.back() = region.coupling * motions;
+        if (region.force.size() == 0) continue;
+        if (coupling_.back().size() == 0) {
+            coupling_.back().setZero(model.num_modes(), motions.cols());
+        }
+        coupling_.back().col(rank()) += region.force;
     }
 }
 
@@ -64,13 +70,16 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
         if (!row.on_driven) seen.push_back(&row);
     }
     num_rows_ = static_cast<Index>(seen.size());
+    const LinearisationPoint& point = model_.point();
+    const Eigen::VectorXd change =
+        point.is_rest() ? observed : Eigen::VectorXd(observed - point.observed);
     Eigen::MatrixXd seen_modes(num_rows_, model_.num_modes());  // G_o V
     Eigen::VectorXd target(num_rows_);
     Eigen::MatrixXd noise(num_rows_, num_rows_);
     for (Index j = 0; j < num_rows_; ++j) {
         const LinearRow& row = *seen[j];
         seen_modes.row(j) = row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
-        target[j] = row.normal.dot(observed.segment<3>(3 * row.position)) - row.residual_mm;
+        target[j] = row.normal.dot(change.segment<3>(3 * row.position)) - row.residual_mm;
         for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
         noise(j, j) = noise_variance(row);
     }
@@ -114,6 +123,13 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
     return response;
 }
 
+/// Tissue at rest is, whatever its moduli.
+bool LinearisedProblem::is_stable(const Eigen::VectorXd& theta) const {
+    if (model_.point().is_rest()) return true;
+    const Eigen::LLT<Eigen::MatrixXd> factor(model_.stiffness(model_.moduli(unknown_, theta)));
+    return factor.info() == Eigen::Success;
+}
+
 LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd& theta,
                                                           bool with_gradient) const {
     Evaluation result;
@@ -124,6 +140,10 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
         result.gradient[k] = z / priors_[k].sd_ln;
     }
     if (num_observed_rows() == 0) return result;
+    if (!is_stable(theta)) {
+        result.objective = std::numeric_limits<double>::infinity();
+        return result;
+    }
     const Response response = respond(theta);
     result.log_determinant =
         noise_log_determinant_ + 2.0 * response.inner.matrixLLT().diagonal().array().log().sum();

@@ -26,8 +26,10 @@ struct ModulusPrior {
 ///   F(theta) = 1/2 e^T C^-1 e + 1/2 ln det C + 1/2 |(theta - theta_0)/sd|^2,
 ///   e = y - J N m,   C = R + J N H^-1 N^T J^T,   J = -G_o V S(E)^-1 T(E)
 /// (Gaussian process regression; Rasmussen and Williams 2006, eq. 2.30; V, S, T, N as in
-/// ResponseModel). The determinant is what a joint minimum over (u_d, theta) lacks: without it soft
-/// tissue, which can follow any noise, is always preferred and the modulus comes out too low.
+/// ResponseModel; of mechanics linearised at (u_d*, u_o*) y is less G_o u_o*, and J N m is
+/// J N (m - u_d*) - G_o V S^-1 g). The determinant is what a joint minimum over (u_d, theta) lacks:
+/// without it soft tissue, which can follow any noise, is always preferred and the modulus comes
+/// out too low.
 class LinearisedProblem {
 public:
     /// `driven` [driven_dofs] and `observed` [observed_dofs]: the displacement at which `rows` are
@@ -47,7 +49,8 @@ public:
         double effective_rows = 0;   ///< trace of R C^-1: rows that the fit does not use up
     };
 
-    /// theta: ln E of the unknown regions, in the order of the priors.
+    /// theta: ln E of the unknown regions, in the order of the priors. F is infinite where the
+    /// mechanics are not stable: mechanics linearised at a deformed state are near it.
     Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const;
     /// F alone at several theta, on all cores.
     std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const;
@@ -76,6 +79,7 @@ public:
 private:
     struct Response;
     void read_rows(const std::vector<LinearRow>& rows, const Eigen::VectorXd& observed);
+    bool is_stable(const Eigen::VectorXd& theta) const;
     Response respond(const Eigen::VectorXd& theta) const;
     void add_gradient(const Response& response, Eigen::VectorXd& gradient) const;
 
@@ -91,10 +95,10 @@ private:
     Eigen::VectorXd pull_of_target_;    ///< V^T G_o^T R^-1 y [modes]
     double target_misfit_ = 0;          ///< y^T R^-1 y
     double noise_log_determinant_ = 0;  ///< ln det R
-    Eigen::VectorXd mean_;              ///< N m
+    Eigen::VectorXd mean_;              ///< N m, or N (m - u_d*)
     Eigen::MatrixXd spread_root_;       ///< P [functionals, rank], P P^T = N H^-1 N^T
     std::vector<Eigen::MatrixXd>
-        coupling_;  ///< T_r [P | N m] per region; empty without driven nodes
+        coupling_;  ///< [T_r P | T_r N m + g_r] per region; empty without driven nodes and g
 };
 
 }  // namespace palpate

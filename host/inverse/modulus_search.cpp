@@ -43,6 +43,11 @@ void update_hessian(const Eigen::VectorXd& step, const Eigen::VectorXd& change,
 
 }  // namespace
 
+ModulusBounds same_bounds(Index num_unknown, double lower_ln, double upper_ln) {
+    return {Eigen::VectorXd::Constant(num_unknown, lower_ln),
+            Eigen::VectorXd::Constant(num_unknown, upper_ln)};
+}
+
 Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBounds& bounds) {
     const auto& priors = problem.priors();
     const Index n = problem.num_unknown();

@@ -6,9 +6,11 @@
 
 namespace palpate {
 
+/// Where ln E may be, [num unknown] each.
 struct ModulusBounds {
-    double lower_ln = 0, upper_ln = 0;
+    Eigen::VectorXd lower_ln, upper_ln;
 };
+ModulusBounds same_bounds(Index num_unknown, double lower_ln, double upper_ln);
 
 /// Best point of a coarse grid of ln E: all unknown moduli together, then each in turn.
 Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBounds& bounds);

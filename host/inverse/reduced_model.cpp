@@ -44,11 +44,29 @@ Eigen::MatrixXd times_rows(const Matrix& matrix, const Eigen::MatrixXd& x,
 }  // namespace
 
 ReducedModel::ReducedModel(std::vector<CondensedRegion> regions, Index num_observed,
-                           Index num_driven, std::vector<double> stiffness_kpa)
+                           Index num_driven, std::vector<double> stiffness_kpa,
+                           LinearisationPoint point)
     : regions_(std::move(regions)),
       num_observed_(num_observed),
       num_driven_(num_driven),
-      stiffness_kpa_(std::move(stiffness_kpa)) {}
+      stiffness_kpa_(std::move(stiffness_kpa)),
+      point_(std::move(point)) {}
+
+void ReducedModel::move_to(LinearisationPoint point, const std::vector<CondensedRegion>& forces) {
+    const bool fits =
+        std::equal(regions_.begin(), regions_.end(), forces.begin(), forces.end(),
+                   [](const auto& mine, const auto& other) {
+                       return mine.region == other.region && mine.observed == other.observed;
+                   });
+    if (!fits) {
+        throw Error(ErrorCode::invalid_argument,
+                    "forces of other regions than those that were condensed");
+    }
+    for (std::size_t r = 0; r < regions_.size(); ++r) {
+        regions_[r].observed_force = forces[r].observed_force;
+    }
+    point_ = std::move(point);
+}
 
 bool ReducedModel::has_region(Index region) const {
     return std::any_of(regions_.begin(), regions_.end(),
@@ -86,6 +104,17 @@ Eigen::MatrixXd ReducedModel::unit_coupling_times(const CondensedRegion& region,
                           region.observed, num_observed_);
 }
 
+Eigen::VectorXd ReducedModel::unit_force(const CondensedRegion& region) const {
+    if (region.observed_force.size() == 0) return Eigen::VectorXd::Zero(observed_dofs());
+    return scattered_rows(region.observed_force, region.observed, num_observed_);
+}
+
+Eigen::VectorXd ReducedModel::imbalance(const std::vector<double>& kpa) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(observed_dofs());
+    for (const auto& region : regions_) sum += kpa[region.region] * unit_force(region);
+    return sum;
+}
+
 Eigen::MatrixXd ReducedModel::coupling_times(const std::vector<double>& kpa,
                                              const Eigen::MatrixXd& driven) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
@@ -111,8 +140,10 @@ Eigen::MatrixXd ReducedModel::transposed_coupling_times(const std::vector<double
 Eigen::VectorXd ReducedModel::observed_displacement(const std::vector<double>& kpa,
                                                     const Eigen::VectorXd& driven) const {
     if (num_observed_ == 0) return {};
-    return -cholesky(stiffness(kpa), "stiffness of the observed nodes")
-                .solve(coupling_times(kpa, driven));
+    const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
+    if (point_.is_rest()) return -equilibrium.solve(coupling_times(kpa, driven));
+    const Eigen::VectorXd moved = coupling_times(kpa, driven - point_.driven);
+    return point_.observed - equilibrium.solve(moved + imbalance(kpa));
 }
 
 Eigen::LLT<Eigen::MatrixXd> cholesky(const Eigen::MatrixXd& matrix, const char* what) {

@@ -22,9 +22,12 @@ bool fit_together(const ResponseModel::Parts& parts) {
     return has_size(parts.spread, parts.functionals.cols(), functionals) &&
            has_size(parts.prior_covariance, functionals, functionals) &&
            parts.influence.size() == functionals &&
+           (parts.point.is_rest() || (parts.point.driven.size() == parts.functionals.cols() &&
+                                      parts.point.observed.size() == parts.modes.rows())) &&
            std::all_of(parts.regions.begin(), parts.regions.end(), [&](const auto& part) {
                return part.region >= 0 && part.region < num_regions &&
                       has_size(part.stiffness, modes, modes) &&
+                      (part.force.size() == 0 || part.force.size() == modes) &&
                       (part.coupling.size() == 0 || has_size(part.coupling, modes, functionals));
            });
 }
@@ -46,6 +49,17 @@ std::vector<double> ResponseModel::moduli(const std::vector<Index>& regions,
     return kpa;
 }
 
+ResponseModel ResponseModel::moved_with(const ReducedModel& model) const {
+    ResponseModel moved = *this;
+    moved.parts_.point = model.point();
+    moved.parts_.stiffness_kpa = model.stiffness_kpa();
+    for (std::size_t r = 0; r < moved.parts_.regions.size(); ++r) {
+        moved.parts_.regions[r].force =
+            parts_.modes.transpose() * model.unit_force(model.regions()[r]);
+    }
+    return moved;
+}
+
 Eigen::MatrixXd ResponseModel::stiffness(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_modes());
     for (const Region& part : parts_.regions) sum += kpa[part.region] * part.stiffness;
@@ -60,11 +74,21 @@ Eigen::MatrixXd ResponseModel::coupling(const std::vector<double>& kpa) const {
     return sum;
 }
 
+Eigen::VectorXd ResponseModel::motion_of(const Eigen::VectorXd& driven) const {
+    if (parts_.point.is_rest()) return parts_.functionals * driven;
+    return parts_.functionals * (driven - parts_.point.driven);
+}
+
 Eigen::VectorXd ResponseModel::observed_displacement(const std::vector<double>& kpa,
                                                      const Eigen::VectorXd& driven) const {
     if (num_modes() == 0) return Eigen::VectorXd::Zero(observed_dofs());
     const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
-    return -(parts_.modes * equilibrium.solve(coupling(kpa) * (parts_.functionals * driven)));
+    Eigen::VectorXd force = coupling(kpa) * motion_of(driven);
+    for (const Region& part : parts_.regions) {
+        if (part.force.size() > 0) force += kpa[part.region] * part.force;
+    }
+    const Eigen::VectorXd change = -(parts_.modes * equilibrium.solve(force));
+    return parts_.point.is_rest() ? change : Eigen::VectorXd(parts_.point.observed + change);
 }
 
 Eigen::MatrixXd ResponseModel::significant_root(const Eigen::MatrixXd& covariance) const {
@@ -81,6 +105,7 @@ public:
                     const std::vector<Index>& unknown, const ResponseOptions& options)
         : model_(model), prior_(prior), unknown_(unknown), options_(options) {
         parts_.stiffness_kpa = model.stiffness_kpa();
+        parts_.point = model.point();
     }
 
     ResponseModel exact() {
@@ -94,7 +119,8 @@ public:
         for (const auto& region : model_.regions()) {
             parts_.regions.push_back(
                 {region.region, model_.unit_stiffness_times(region, parts_.modes),
-                 model_.unit_coupling_times(region, parts_.functionals.transpose())});
+                 model_.unit_coupling_times(region, parts_.functionals.transpose()),
+                 force_in_modes(region)});
         }
         return std::move(result_);
     }
@@ -124,10 +150,19 @@ private:
     Moduli moduli_at(double t) const {
         Moduli kpa = model_.stiffness_kpa();
         for (const Index region : unknown_) {
-            kpa[region] =
-                options_.softest_kpa * std::pow(options_.stiffest_kpa / options_.softest_kpa, t);
+            if (options_.reach > 1) {
+                kpa[region] *= std::pow(options_.reach, 2 * t - 1);
+            } else {
+                kpa[region] = options_.softest_kpa *
+                              std::pow(options_.stiffest_kpa / options_.softest_kpa, t);
+            }
         }
         return kpa;
+    }
+
+    Eigen::VectorXd force_in_modes(const CondensedRegion& region) const {
+        if (region.observed_force.size() == 0) return {};
+        return parts_.modes.transpose() * model_.unit_force(region);
     }
 
     Eigen::LLT<Eigen::MatrixXd> equilibrium_at(const Moduli& kpa) const {
@@ -177,21 +212,27 @@ private:
         return model_.transposed_coupling_times(kpa, equilibrium.solve(basis)).transpose();
     }
 
-    /// Responses to the functionals' unit motions at `kpa`, [observed_dofs, functionals].
+    /// Responses to the functionals' unit motions at `kpa` and, if the mechanics were not
+    /// linearised at rest, to what is not balanced there; [observed_dofs, functionals (+ 1)].
     Eigen::MatrixXd responses_at(const Moduli& kpa) const {
+        const Index functionals = static_cast<Index>(parts_.functionals.rows());
+        const bool is_rest = model_.point().is_rest();
         Eigen::MatrixXd force =
-            Eigen::MatrixXd::Zero(model_.observed_dofs(), parts_.functionals.rows());
+            Eigen::MatrixXd::Zero(model_.observed_dofs(), functionals + (is_rest ? 0 : 1));
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
-            if (couplings_[r].size() > 0) force += kpa[model_.regions()[r].region] * couplings_[r];
+            if (couplings_[r].size() == 0) continue;
+            force.leftCols(functionals) += kpa[model_.regions()[r].region] * couplings_[r];
         }
+        if (!is_rest) force.col(functionals) = model_.imbalance(kpa);
         return equilibrium_at(kpa).solve(force);
     }
 
     void add_modes_at(const Moduli& kpa) {
         const Eigen::MatrixXd responses = responses_at(kpa);
         if (parts_.influence.size() == 0) {
-            const double floor = 1e-6 * responses.norm();
-            parts_.influence = responses.colwise().norm().cwiseMax(floor).transpose();
+            const auto moved = responses.leftCols(parts_.functionals.rows());
+            const double floor = 1e-6 * moved.norm();
+            parts_.influence = moved.colwise().norm().cwiseMax(floor).transpose();
             parts_.root_tolerance = 0.5 * tolerance();
         }
         parts_.modes = extended_basis(parts_.modes, responses, 0.5 * tolerance());
@@ -212,8 +253,10 @@ private:
             const auto& region = model_.regions()[r];
             const Eigen::MatrixXd stiffness =
                 modes.transpose() * model_.unit_stiffness_times(region, modes);
-            ResponseModel::Region part{
-                region.region, 0.5 * (stiffness + stiffness.transpose()), {}};
+            ResponseModel::Region part{region.region,
+                                       0.5 * (stiffness + stiffness.transpose()),
+                                       {},
+                                       force_in_modes(region)};
             if (couplings_[r].size() > 0) part.coupling = modes.transpose() * couplings_[r];
             parts_.regions.push_back(std::move(part));
         }
@@ -235,10 +278,15 @@ private:
     }
 
     double left_out_at(const Moduli& kpa, const Eigen::MatrixXd& walls) const {
-        const Eigen::MatrixXd exact = -equilibrium_at(kpa).solve(model_.coupling_times(kpa, walls));
+        const LinearisationPoint& point = model_.point();
+        Eigen::MatrixXd exact = -equilibrium_at(kpa).solve(
+            model_.coupling_times(kpa, walls).colwise() + model_.imbalance(kpa));
+        if (!point.is_rest()) exact.colwise() += point.observed;
         double sum = 0;
         for (Index k = 0; k < walls.cols(); ++k) {
-            sum += (exact.col(k) - result_.observed_displacement(kpa, walls.col(k))).squaredNorm();
+            const Eigen::VectorXd driven =
+                point.is_rest() ? walls.col(k) : Eigen::VectorXd(point.driven + walls.col(k));
+            sum += (exact.col(k) - result_.observed_displacement(kpa, driven)).squaredNorm();
         }
         return std::sqrt(sum / (walls.cols() * std::max(1.0, exact.rows() / 3.0)));
     }

@@ -16,6 +16,8 @@ struct ResponseOptions {
     /// save time on very large surfaces.
     double tolerance_mm = 0.1;
     double softest_kpa = 3, stiffest_kpa = 3000;  ///< range of the unknown moduli to be exact in
+    /// If above 1 that range is from the moduli of the reduced model over this to this times them.
+    double reach = 0;
     unsigned seed = 1;
 };
 
@@ -27,12 +29,15 @@ struct ResponseOptions {
 /// 2011, section 4; reduced basis with greedy enrichment, Hesthaven, Rozza and Stamm 2016, chapter
 /// 3); between those moduli the Galerkin solution in V interpolates. What is left out is measured
 /// against the condensed model. Functionals are scaled to unit prior variance: N Q^-1 N^T = 1.
+/// Of mechanics that were linearised at (u_d*, u_o*) it is
+///   u_o = u_o* - V S(E)^-1 (T(E) c + g(E)),  c = N (u_d - u_d*).
 class ResponseModel {
 public:
     struct Region {
         Index region = 0;
-        Eigen::MatrixXd stiffness;  ///< S_r [modes, modes] mN/mm per kPa
-        Eigen::MatrixXd coupling;   ///< T_r [modes, functionals]; empty without driven nodes
+        Eigen::MatrixXd stiffness;   ///< S_r [modes, modes] mN/mm per kPa
+        Eigen::MatrixXd coupling;    ///< T_r [modes, functionals]; empty without driven nodes
+        Eigen::VectorXd force = {};  ///< g_r [modes] mN per kPa; empty at rest
     };
 
     /// All that a response model consists of: what is saved and read back.
@@ -43,6 +48,7 @@ public:
         Eigen::VectorXd influence;  ///< norm of the observed motion per unit functional, mm
         double root_tolerance = 0;
         double left_out_mm = 0;
+        LinearisationPoint point = {};
     };
 
     /// Throws Error(invalid_argument) if the parts do not fit together.
@@ -53,6 +59,10 @@ public:
     static ResponseModel compressed(const ReducedModel& model, const WallPrior& prior,
                                     const std::vector<Index>& unknown,
                                     const ResponseOptions& options);
+
+    /// The same modes and functionals about the point of `model`, which has moved a little
+    /// (`ReducedModel::move_to`) since this was made from it.
+    ResponseModel moved_with(const ReducedModel& model) const;
 
     Index num_modes() const { return static_cast<Index>(parts_.modes.cols()); }
     Index num_functionals() const { return static_cast<Index>(parts_.functionals.rows()); }
@@ -77,6 +87,9 @@ public:
                                const Eigen::VectorXd& theta) const;
     Eigen::MatrixXd stiffness(const std::vector<double>& kpa) const;
     Eigen::MatrixXd coupling(const std::vector<double>& kpa) const;
+    const LinearisationPoint& point() const { return parts_.point; }
+    /// c [functionals] of a wall motion u_d [driven_dofs] mm.
+    Eigen::VectorXd motion_of(const Eigen::VectorXd& driven) const;
     /// u_o [observed_dofs] for a wall motion, mm.
     Eigen::VectorXd observed_displacement(const std::vector<double>& kpa,
                                           const Eigen::VectorXd& driven) const;

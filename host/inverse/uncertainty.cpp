@@ -21,16 +21,20 @@ Eigen::MatrixXd laplace_covariance(const LinearisedProblem& problem, const Eigen
     return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+double profile_half_width(const Eigen::MatrixXd& covariance, Index unknown) {
+    return 4.0 * std::sqrt(covariance(unknown, unknown));
+}
+
 ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
                          const Eigen::MatrixXd& covariance, Index unknown) {
     constexpr int half_points = 5;
-    const double sd = std::sqrt(covariance(unknown, unknown));
+    const double half_width = profile_half_width(covariance, unknown);
     const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
     ProfileResult profile;
     profile.region = problem.priors()[unknown].region;
     std::vector<Eigen::VectorXd> points;
     for (int p = -half_points; p <= half_points; ++p) {
-        points.push_back(theta + ridge * (4.0 * sd * p / half_points));
+        points.push_back(theta + ridge * (half_width * p / half_points));
         profile.stiffness_kpa.push_back(std::exp(points.back()[unknown]));
     }
     profile.objective = problem.objectives(points);
@@ -93,7 +97,8 @@ std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen:
                                   const ModulusBounds& bounds) {
     const Eigen::VectorXd alone = Eigen::VectorXd::Unit(theta.size(), unknown);
     const Eigen::VectorXd ridge = covariance.col(unknown) / covariance(unknown, unknown);
-    const double down = bounds.lower_ln - theta[unknown], up = bounds.upper_ln - theta[unknown];
+    const double down = bounds.lower_ln[unknown] - theta[unknown];
+    const double up = bounds.upper_ln[unknown] - theta[unknown];
     const std::vector<double> misfit =
         problem.misfits({theta, theta + down * alone, theta + down * ridge, theta + up * alone,
                          theta + up * ridge});

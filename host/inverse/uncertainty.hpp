@@ -18,6 +18,9 @@ constexpr double profile_rise = 1.920729;
 /// variance.
 Eigen::MatrixXd laplace_covariance(const LinearisedProblem& problem, const Eigen::VectorXd& theta);
 
+/// How far in ln E a profile reaches to either side.
+double profile_half_width(const Eigen::MatrixXd& covariance, Index unknown);
+
 /// F along ln E_k, the other moduli following the ridge (conditional mean of the Laplace
 /// posterior), over at least +-4 standard deviations.
 ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd& theta,

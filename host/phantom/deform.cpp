@@ -8,6 +8,7 @@
 
 #include "host/imaging/label_image.hpp"
 #include "solver/base/error.hpp"
+#include "solver/equilibrium/newton.hpp"
 
 namespace palpate {
 namespace {
@@ -30,6 +31,8 @@ Mat3 displacement_gradient(const Mesh& mesh, Index tet, const std::vector<Vec3>&
     return gradient;
 }
 
+constexpr double least_jacobian = 0.2;
+
 double smallest_jacobian(const std::vector<Mat3>& gradients, double scale) {
     double smallest = std::numeric_limits<double>::max();
     for (const Mat3& gradient : gradients) {
@@ -38,18 +41,75 @@ double smallest_jacobian(const std::vector<Mat3>& gradients, double scale) {
     return smallest;
 }
 
-void scale_load(const Mesh& mesh, Deformation& deformation) {
-    constexpr double least_jacobian = 0.2, step = 0.95;
+std::vector<Mat3> displacement_gradients(const Mesh& mesh, const std::vector<Vec3>& u) {
     std::vector<Mat3> gradients(mesh.tets.size());
-    for (Index t = 0; t < mesh.num_tets(); ++t) {
-        gradients[t] = displacement_gradient(mesh, t, deformation.displacement);
-    }
+    for (Index t = 0; t < mesh.num_tets(); ++t) gradients[t] = displacement_gradient(mesh, t, u);
+    return gradients;
+}
+
+void scale_load(const Mesh& mesh, Deformation& deformation) {
+    constexpr double step = 0.95;
+    const auto gradients = displacement_gradients(mesh, deformation.displacement);
     deformation.smallest_jacobian = smallest_jacobian(gradients, deformation.load_scale);
     while (deformation.smallest_jacobian <= least_jacobian) {
         deformation.load_scale *= step;
         deformation.smallest_jacobian = smallest_jacobian(gradients, deformation.load_scale);
     }
     for (Vec3& u : deformation.displacement) u *= deformation.load_scale;
+}
+
+std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
+    std::vector<Vec3> points(values.size() / 3);
+    for (std::size_t n = 0; n < points.size(); ++n) points[n] = values.segment<3>(3 * n);
+    return points;
+}
+
+Deformation deform_linear(const WallProblem& problem, double load_factor,
+                          const LinearSolverOptions& options, const ProgressSink& progress) {
+    Columns u;
+    const LinearSolverSummary solve =
+        make_linear_solver(problem.model, options)->solve(problem.prescribed_mm, u, progress);
+    if (!solve.converged) {
+        throw Error(ErrorCode::solve_failed,
+                    "The phantom's true displacement could not be solved for: " + solve.message +
+                        " Try --linear-solver direct or fewer nodes.");
+    }
+    Deformation deformation;
+    deformation.relative_residual = solve.relative_residual;
+    deformation.displacement = as_points(u.col(0));
+    deformation.load_scale = load_factor;
+    scale_load(problem.model.mesh, deformation);
+    deformation.force =
+        nodal_forces(problem.model.mesh, problem.model.materials, deformation.displacement);
+    return deformation;
+}
+
+Deformation deform_finite(const WallProblem& problem, TissueLaw law, double load_factor,
+                          const LinearSolverOptions& options, const ProgressSink& progress) {
+    constexpr double step = 0.95, least_scale = 0.05;
+    const SolidAssembly solid(solid_model_of(problem.model, law));
+    EquilibriumOptions solve;
+    solve.direct_library = options.direct_library;
+    SolidLoads loads{problem.prescribed_mm, Eigen::VectorXd::Zero(problem.model.num_dofs())};
+    Deformation deformation;
+    deformation.load_scale = load_factor;
+    std::string message = "elements are crushed";
+    for (; deformation.load_scale >= least_scale * load_factor; deformation.load_scale *= step) {
+        loads.displacement = deformation.load_scale * problem.prescribed_mm;
+        const Equilibrium state = solve_equilibrium(solid, loads, solve, {}, progress);
+        message = state.message;
+        if (!state.converged) continue;
+        deformation.displacement = as_points(state.displacement);
+        deformation.smallest_jacobian = smallest_jacobian(
+            displacement_gradients(problem.model.mesh, deformation.displacement), 1);
+        if (deformation.smallest_jacobian <= least_jacobian) continue;
+        deformation.relative_residual = state.relative_residual;
+        deformation.force = as_points(solid.internal_force(state.displacement).force);
+        return deformation;
+    }
+    throw Error(ErrorCode::solve_failed,
+                "The phantom's true displacement could not be solved for at large deformation: " +
+                    message + ". Try fewer nodes or a smaller --load-factor.");
 }
 
 }  // namespace
@@ -94,24 +154,11 @@ WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearEl
 
 Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
                             const std::vector<WallMotion>& motions, double load_factor,
-                            const LinearSolverOptions& options, const ProgressSink& progress) {
+                            TissueLaw law, const LinearSolverOptions& options,
+                            const ProgressSink& progress) {
     const WallProblem problem = make_wall_problem(mesh, materials, motions);
-    Columns u;
-    Deformation deformation;
-    deformation.solve =
-        make_linear_solver(problem.model, options)->solve(problem.prescribed_mm, u, progress);
-    if (!deformation.solve.converged) {
-        throw Error(ErrorCode::solve_failed,
-                    "The phantom's true displacement could not be solved for: " +
-                        deformation.solve.message + " Try --linear-solver direct or fewer nodes.");
-    }
-    deformation.displacement.resize(mesh.mesh.nodes.size());
-    for (Index n = 0; n < mesh.mesh.num_nodes(); ++n) {
-        deformation.displacement[n] = Vec3(u(3 * n, 0), u(3 * n + 1, 0), u(3 * n + 2, 0));
-    }
-    deformation.load_scale = load_factor;
-    scale_load(mesh.mesh, deformation);
-    return deformation;
+    return law == TissueLaw::linear ? deform_linear(problem, load_factor, options, progress)
+                                    : deform_finite(problem, law, load_factor, options, progress);
 }
 
 std::vector<Vec3> nodal_forces(const Mesh& mesh, const std::vector<LinearElastic>& materials,

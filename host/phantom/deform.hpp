@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/meshing/mesher.hpp"
+#include "host/modelling/tissue_law.hpp"
 #include "host/phantom/wall_motion.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -26,20 +27,24 @@ WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearEl
 
 struct Deformation {
     std::vector<Vec3> displacement;  ///< [num_nodes] mm, load scale included
+    std::vector<Vec3> force;         ///< [num_nodes] mN, internal: 0 at nodes that may move
     double load_scale = 1;           ///< factor on the wall motions, 1 where no element suffers
     double smallest_jacobian = 1;    ///< smallest det(I + grad u) of all tets
-    LinearSolverSummary solve;
+    double relative_residual = 0;    ///< of the solve
 };
 
-/// Solves linear elasticity with the walls' motion prescribed and bones and box fixed, times
-/// `load_factor`, then scales the load down until det(I + grad u) > 0.2 in every tet.
+/// Solves for equilibrium with the walls' motion prescribed and bones and box fixed, times
+/// `load_factor`, with the load scaled down until det(I + grad u) > 0.2 in every tet.
 ///   materials  by region number
-/// Throws Error(solve_failed) if the solver misses its tolerance.
+/// Throws Error(solve_failed) if the solver misses its tolerance, or if no equilibrium at large
+/// deformation is found.
 Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
                             const std::vector<WallMotion>& motions, double load_factor,
-                            const LinearSolverOptions& options, const ProgressSink& progress);
+                            TissueLaw law, const LinearSolverOptions& options,
+                            const ProgressSink& progress);
 
-/// Nodal forces K u (mN), [num_nodes]; summed over the nodes of a wall they are its resultant.
+/// Nodal forces K u (mN) of linear elasticity, [num_nodes]; summed over the nodes of a wall they
+/// are its resultant.
 std::vector<Vec3> nodal_forces(const Mesh& mesh, const std::vector<LinearElastic>& materials,
                                const std::vector<Vec3>& displacement);
 

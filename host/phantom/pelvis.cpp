@@ -265,8 +265,8 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
         make_wall_motions(anatomy, options.seed, options.tangential_factor);
     const RegionMesh loaded =
         with_tumour(phantom.mesh, anatomy, options, phantom.settings.num_regions());
-    Deformation deformation =
-        deform_by_walls(loaded, materials, motions, options.load_factor, solver, progress);
+    Deformation deformation = deform_by_walls(loaded, materials, motions, options.load_factor,
+                                              options.law, solver, progress);
     phantom.displacement = std::move(deformation.displacement);
 
     report_progress(progress, "voxelising", 0);
@@ -282,13 +282,12 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
     PelvisTruth& truth = phantom.truth;
     truth.load_scale = deformation.load_scale;
     truth.smallest_jacobian = deformation.smallest_jacobian;
-    truth.solve_residual = deformation.solve.relative_residual;
+    truth.solve_residual = deformation.relative_residual;
     for (const Vec3& u : phantom.displacement) {
         truth.peak_displacement_mm = std::max(truth.peak_displacement_mm, u.norm());
     }
     describe_prostate(phantom, truth);
-    describe_walls(phantom, motions, nodal_forces(loaded.mesh, materials, phantom.displacement),
-                   truth);
+    describe_walls(phantom, motions, deformation.force, truth);
     report_progress(progress, "voxelising", 1);
     return phantom;
 }

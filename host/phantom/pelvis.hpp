@@ -30,7 +30,8 @@ struct PelvisOptions {
     /// Of transition and peripheral zone, 1..10000, which get labels of their own in place of the
     /// one prostate; empty: one zone of `stiffness_kpa`.
     std::optional<std::array<double, 2>> zone_stiffness_kpa;
-    double load_factor = 1;  ///< on all walls' motion, 0..1; 0: nothing moves
+    double load_factor = 1;             ///< on all walls' motion, 0..1; 0: nothing moves
+    TissueLaw law = TissueLaw::linear;  ///< of all tissue
 };
 
 /// What was asked of one wall, and the force that it took.
@@ -69,7 +70,7 @@ struct PelvisPhantom {
 
 /// Steps: random implicit shapes, a fine label volume of them, surfaces, a mesh, prescribed motion
 /// of the bladder and rectum walls (filling, emptying, a push towards the prostate, a small
-/// tangential part), linear elasticity, and voxels from the undeformed and the deformed mesh.
+/// tangential part), equilibrium, and voxels from the undeformed and the deformed mesh.
 /// A tumour is part of the prostate in labels and mesh; only the truth is solved with it. Zones are
 /// regions of labels, mesh and settings: "peripheral_zone" (label 1) and "transition_zone" (6).
 /// `solver`, `mesher` give the means; size and edge lengths of the mesh come from `options`.

@@ -68,6 +68,7 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"seed", options.seed},
         {"frame", "LPS, mm"},
         {"spacing_mm", to_json(options.spacing)},
+        {"material", name_of(options.law)},
         {"regions", regions_to_json(phantom, options)},
         {"mesh",
          {{"nodes", phantom.mesh.mesh.num_nodes()},

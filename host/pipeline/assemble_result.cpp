@@ -334,6 +334,7 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.settings = settings;
     result.settings_toml = to_toml(settings);
     result.version = version_text();
+    result.law = found.law;
     result.mesh = found.mesh;
     result.mesher = found.mesher;
     result.displacement = as_points(found.displacement);

@@ -10,6 +10,7 @@
 #include "host/inverse/map_estimate.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/build_model.hpp"
+#include "host/pipeline/finite_strain.hpp"
 #include "host/pipeline/full_solver.hpp"
 #include "host/pipeline/poisson_ratios.hpp"
 #include "host/pipeline/states.hpp"
@@ -27,7 +28,10 @@ struct Recovered {
     std::vector<std::shared_ptr<const TargetShape>> target;  ///< as in ObservedShapes
     MapEstimate estimate;
     std::optional<PoissonEstimate> poisson;  ///< if a ratio was unknown
-    // Filled by `solve_full_model`:
+    /// At large deformation; its `estimate` has moved to the one above.
+    std::optional<FiniteStrainEstimate> finite;
+    TissueLaw law = TissueLaw::linear;
+    // Filled by `solve_full_model` or `take_equilibrium`:
     Eigen::VectorXd displacement;    ///< [3 num_nodes] mm
     Eigen::VectorXd force;           ///< [3 num_nodes] mN, reactions at prescribed nodes
     std::vector<Vec3> resultant_sd;  ///< [surfaces] mN, of the force on each driven organ
@@ -40,6 +44,9 @@ struct Recovered {
 /// estimated wall motion, and takes the forces as reactions, f = K u. Throws
 /// Error(solve_failed) if the solve misses its tolerance or leaves the condensed solution.
 void solve_full_model(Recovered& found, FullSolver& solver, const ProgressSink& progress);
+
+/// The same at large deformation, from the equilibrium that the search ended with.
+void take_equilibrium(Recovered& found);
 
 /// Verdicts, surface distances, Dice, volumes.
 RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,

@@ -130,4 +130,26 @@ void solve_full_model(Recovered& found, FullSolver& full_solver, const ProgressS
     check_against_response(found);
 }
 
+void take_equilibrium(Recovered& found) {
+    set_moduli(found);
+    const Equilibrium& state = found.finite->state;
+    const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(state.displacement.size());
+    const auto driven = driven_surfaces(found.recovery);
+    const Columns moved = wall_motions(found, driven);
+    Columns force(moved.rows(), moved.cols());
+    force.col(0) = state.reaction;
+    TangentSolve& tangent = *state.tangent;
+    tangent.factorise(state.displacement);
+    for (Index c = 1; c < moved.cols(); ++c) {
+        Eigen::VectorXd answer = moved.col(c);
+        tangent.solve(nothing, answer);
+        force.col(c) = tangent.times(answer);
+    }
+    found.displacement = state.displacement;
+    found.relative_residual = state.relative_residual;
+    found.solver = found.finite->solver;
+    found.force = force.col(0);
+    found.resultant_sd = resultant_deviations(found, driven, force);
+}
+
 }  // namespace palpate

@@ -91,6 +91,14 @@ MapEstimate nested_estimate(const RecoveryModel& recovery, const SurfaceObservat
     return estimate;
 }
 
+FiniteStrainOptions finite_strain_options(const RecoverOptions& options) {
+    FiniteStrainOptions finite;
+    finite.response = options.mechanics.response;
+    finite.search = options.search;
+    finite.solver = options.solver;
+    return finite;
+}
+
 }  // namespace
 
 PreparedReference prepare_reference(ReferenceState reference, const RecoverOptions& options,
@@ -158,6 +166,11 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
         found.poisson = search_poisson_ratios(mechanics, observations, options, progress);
         found.estimate = std::move(found.poisson->estimate);
         found.recovery = found.poisson->mechanics->recovery;
+    } else if (options.law != TissueLaw::linear) {
+        found.law = options.law;
+        found.finite = search_finite_strain(mechanics, options.law, observations,
+                                            finite_strain_options(options), progress);
+        found.estimate = std::move(found.finite->estimate);
     } else if (options.method == SearchMethod::nested_lbfgs) {
         found.estimate = nested_estimate(found.recovery, observations, options, progress);
     } else {
@@ -166,7 +179,9 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
     }
     found.estimate.noise.reset();  // it points into the observations, which end with the search
     timer.start("solving");
-    if (has_unknown_ratio) {
+    if (found.finite) {
+        take_equilibrium(found);
+    } else if (has_unknown_ratio) {
         solve_full_model(found, *start_full_solver(found.recovery, options.solver), progress);
     } else {
         solve_full_model(found, full_solver, progress);

@@ -147,6 +147,7 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
                  const RecoverOptions& options, const ResultSink& sink,
                  const ProgressSink& progress, const FailureSink& failed) {
     check_unknown_ratios(options);
+    check_tissue_law(options);
     StageTimer timer;
     timer.start("reading");
     std::optional<SavedReference> saved = read_saved(options, progress);
@@ -169,6 +170,7 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
 RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
                        const RecoverOptions& options, const ProgressSink& progress) {
     check_unknown_ratios(options);
+    check_tissue_law(options);
     check_partial_target(target, options);
     StageTimer timer;
     timer.start("reading");

@@ -14,6 +14,7 @@
 #include "host/meshing/mesher.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/settings.hpp"
+#include "host/modelling/tissue_law.hpp"
 #include "host/pipeline/mechanics.hpp"
 #include "host/result/recovery_result.hpp"
 #include "host/surfaces/surface.hpp"
@@ -38,6 +39,7 @@ struct RecoverOptions {
     LinearSolverOptions solver;
     MechanicsOptions mechanics;
     SearchMethod method = SearchMethod::map;
+    TissueLaw law = TissueLaw::linear;
     MapOptions search;
     NestedOptions nested;                ///< for `nested_lbfgs`
     std::filesystem::path save_reduced;  ///< file for the mesh and the reduced model, or empty

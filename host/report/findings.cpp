@@ -127,6 +127,12 @@ std::string termination_sentence(const RecoveryResult& result) {
                        t.reason.empty() ? "" : ": ", t.reason.empty() ? "." : t.reason + ".");
 }
 
+std::string law_sentence(const RecoveryResult& result) {
+    return result.law == TissueLaw::neo_hookean
+               ? "All tissue was taken to be neo-Hookean, at large deformation."
+               : "All tissue was taken to be linearly elastic.";
+}
+
 std::string linear_solvers_text(const RecoveryResult& result) {
     std::string text;
     for (const auto& [stage, solver] : result.linear_solvers)

@@ -34,6 +34,8 @@ std::string surfaces_sentence(const RecoveryResult& result);
 std::string seen_sentence(const RecoveryResult& result);
 /// Whether the search converged, in one sentence.
 std::string termination_sentence(const RecoveryResult& result);
+/// The law that all tissue was taken to obey, one sentence.
+std::string law_sentence(const RecoveryResult& result);
 /// Which linear solver each stage used, where and why, in one line; empty if nobody says.
 std::string linear_solvers_text(const RecoveryResult& result);
 /// What was found, how well the surfaces agree and whether the search converged, in that order.

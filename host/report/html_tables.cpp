@@ -269,6 +269,7 @@ std::string details_html(const RecoveryResult& result) {
     std::string out = "<div class='columns'><div>";
     out +=
         facts({{"Rigid alignment", alignment_text(result.alignment)},
+               {"Tissue", law_sentence(result)},
                {"Search", termination_sentence(result)},
                {"Residual of the final solve", fmt::format("{:.1e}", result.full_model_residual)},
                {"Mesh", fmt::format("{} nodes, {} tetrahedra, smallest dihedral angle {}°",

@@ -222,6 +222,7 @@ std::string json_report(const RecoveryResult& result, bool include_file_names) {
     json["timings_s"] = timings_json(result);
     json["device"] = device_json(result.device);
     json["linear_solver"] = linear_solvers_json(result);
+    json["material"] = name_of(result.law);
     json["settings"] = settings_json(result.settings);
     if (!result.seed_note.empty()) json["seed_note"] = result.seed_note;
     json["warnings"] = result.warnings;

@@ -64,7 +64,7 @@ std::string text_report(const RecoveryResult& result) {
                     [](const SurfaceResult& s) { return s.cut_by_image; }))
         out += "* cut by the field of view; the cut face carries no data\n";
     if (const std::string seen = seen_sentence(result); !seen.empty()) out += harmless(seen) + '\n';
-    out += '\n';
+    out += '\n' + law_sentence(result) + '\n';
     for (const std::string& warning : result.warnings)
         out += "Warning: " + harmless(warning) + '\n';
     if (const std::string solvers = linear_solvers_text(result); !solvers.empty())

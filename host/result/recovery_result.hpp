@@ -14,6 +14,7 @@
 #include "host/meshing/mesher.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/settings.hpp"
+#include "host/modelling/tissue_law.hpp"
 #include "host/surfaces/surface.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -83,6 +84,7 @@ struct RecoveryResult {
     std::string settings_toml;
     std::string reference_name, target_name;  ///< file names only, no folders
     std::string version;
+    TissueLaw law = TissueLaw::linear;  ///< of all tissue
     std::string seed_note;
     RegionMesh mesh;                        ///< LPS mm
     std::vector<Vec3> displacement;         ///< [num_nodes] mm, reference to aligned target

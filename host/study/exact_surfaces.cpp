@@ -4,23 +4,19 @@
 
 #include <chrono>
 #include <cmath>
-#include <memory>
 
-#include "host/inverse/map_estimate.hpp"
 #include "host/inverse/uncertainty.hpp"
-#include "host/objectives/surface_observations.hpp"
 #include "host/pipeline/mechanics.hpp"
 #include "host/report/findings.hpp"
 #include "host/study/beside.hpp"
+#include "host/study/exact_observations.hpp"
 #include "host/study/pelvis_case.hpp"
 #include "host/study/tables.hpp"
-#include "host/surfaces/surface_shape.hpp"
 
 namespace palpate {
 namespace {
 
-/// The smallest noise that is assumed, mm: far below what a voxel leaves.
-constexpr double first_noise_mm = 0.02, least_noise_mm = 0.001;
+constexpr double first_noise_mm = 0.02;
 
 struct Truth {
     bool is_finer = false;  ///< solved on a mesh with half the edge length of the inverse's
@@ -28,20 +24,6 @@ struct Truth {
 };
 
 std::string name_of(const Truth& truth) { return truth.is_finer ? "finer" : "same"; }
-
-/// The surfaces of the organs that are matched, before and after.
-ObservedShapes shapes_of(const RecoveryModel& recovery, const std::vector<Vec3>& displacement) {
-    ObservedShapes shapes;
-    for (const ObservedSurface& organ : recovery.surfaces) {
-        Surface moved = organ.surface;
-        for (std::size_t v = 0; v < moved.vertices.size(); ++v) {
-            moved.vertices[v] += displacement[organ.node_of[v]];
-        }
-        shapes.reference.push_back(std::make_shared<SurfaceShape>(organ.surface));
-        shapes.target.push_back(std::make_shared<SurfaceShape>(std::move(moved)));
-    }
-    return shapes;
-}
 
 RegionMesh inverse_mesh(const Truth& truth, const PelvisPhantom& phantom,
                         const StudyOptions& options) {
@@ -57,25 +39,14 @@ MapEstimate recover_from_surfaces(const Truth& truth, const StudyOptions& option
     solver.relative_tolerance = 1e-10;
     const PelvisPhantom phantom = make_pelvis(truth.options, solver, options.mesher, progress);
     const RegionMesh mesh = inverse_mesh(truth, phantom, options);
-    MechanicsOptions exact;
-    exact.response.tolerance_mm = truth.is_finer ? 0.02 : 0.002;
+    const MechanicsOptions exact{exact_response(truth.is_finer ? 0.02 : 0.002)};
     StageTimer timer;
     const Mechanics mechanics =
         make_mechanics(mesh, phantom.settings, solver, exact, timer, progress);
-    const RecoveryModel of_truth = build_model(phantom.mesh, phantom.settings);
-    ObservationOptions seen;
-    seen.noise_mm = first_noise_mm;
-    seen.independent_area_mm2 = 1e-3;
-    const SurfaceObservations observations(
-        mechanics.recovery, shapes_of(of_truth, phantom.displacement),
-        std::vector<std::uint8_t>(mesh.mesh.nodes.size(), 1), seen);
-    MapOptions search;
-    search.max_iterations = 150;
-    search.modulus_tolerance_sd = 0.02;
-    search.noise_iterations = 30;
-    search.smallest_noise_scale = least_noise_mm / first_noise_mm;
-    return map_estimate(mechanics.response, mechanics.walls, observations, mechanics.priors, search,
-                        progress);
+    const SurfaceObservations observations =
+        exact_observations(mechanics.recovery, phantom, first_noise_mm);
+    return map_estimate(mechanics.response, mechanics.walls, observations, mechanics.priors,
+                        exact_search(first_noise_mm), progress);
 }
 
 Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& progress) {

@@ -18,6 +18,12 @@ std::vector<PublishedStiffness> published_recovery() {
             {300, 275.0, "scene 2"},  {350, 277.97, "scene 2"}};
 }
 
+std::vector<PublishedStiffness> published_neo_hookean() {
+    return {{50, 50.18, "scene 1"},  {100, 105.64, "scene 1"}, {150, 159, "scene 1"},
+            {200, 172, "scene 1"},   {50, 45, "scene 2"},      {100, 105, "scene 2"},
+            {150, 141.5, "scene 2"}, {200, 197, "scene 2"}};
+}
+
 std::vector<PublishedStiffness> published_surroundings() {
     return {
         {25, 25, "scene 2"}, {50, 50, "scene 2"}, {75, 76.5, "scene 2"}, {100, 108.16, "scene 2"}};

@@ -19,6 +19,8 @@ std::string published_source();
 
 /// Linear elements, two synthetic scenes, 50 to 350 kPa.
 std::vector<PublishedStiffness> published_recovery();
+/// Neo-Hookean elements, two synthetic scenes, 50 to 200 kPa.
+std::vector<PublishedStiffness> published_neo_hookean();
 /// Scene 2, tissue of 20 kPa taken for 10 kPa: half of the true value is expected.
 std::vector<PublishedStiffness> published_surroundings();
 

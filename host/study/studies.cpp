@@ -11,6 +11,8 @@ const std::vector<StudyEntry>& study_registry() {
         {"recovery", "Two scenes of 50 to 350 kPa beside published values", 2, make_recovery_study},
         {"exact-surfaces", "Two scenes without voxels: truth on the same mesh, and on a finer one",
          2, make_exact_surfaces_study},
+        {"neo-hookean", "Large deformation, truth on the same mesh, beside published values", 2,
+         make_neo_hookean_study},
         {"surroundings", "Surrounding tissue that is twice as stiff as assumed", 2,
          make_surroundings_study},
         {"poisson", "A Poisson's ratio of the prostate that is not the assumed one", 2,

@@ -35,6 +35,7 @@ const std::vector<StudyEntry>& study_registry();
 Study make_coverage_study(const StudyOptions& options);
 Study make_recovery_study(const StudyOptions& options);
 Study make_exact_surfaces_study(const StudyOptions& options);
+Study make_neo_hookean_study(const StudyOptions& options);
 Study make_surroundings_study(const StudyOptions& options);
 Study make_poisson_study(const StudyOptions& options);
 Study make_tumour_study(const StudyOptions& options);

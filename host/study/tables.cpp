@@ -107,8 +107,15 @@ TextTable accuracy_table(const std::vector<Accuracy>& ours,
     return table;
 }
 
+std::string other_mesh_note() {
+    return "The truths obey the elastic law that the recovery assumes, on another mesh: the errors "
+           "are those of voxels, mesh and unknown wall motion, not of tissue that behaves "
+           "otherwise.";
+}
+
 StudySection accuracy_section(const std::vector<Estimate>& ours,
-                              const std::vector<Estimate>& published, const std::string& x_label) {
+                              const std::vector<Estimate>& published, const std::string& x_label,
+                              const std::string& note) {
     const auto theirs = published.empty() ? std::vector<Accuracy>{} : accuracy_by_group(published);
     StudySection section;
     section.title =
@@ -120,10 +127,7 @@ StudySection accuracy_section(const std::vector<Estimate>& ours,
         "<p class='caption'>Error: recovered over expected stiffness, minus one. In brackets: 95 % "
         "range of the share of intervals that hold the truth (Clopper and Pearson); 95 % is aimed "
         "at.</p>";
-    section.html +=
-        "<p class='caption'>The truths obey the elastic law that the recovery assumes, on another "
-        "mesh: the errors are those of voxels, mesh and unknown wall motion, not of tissue that "
-        "behaves otherwise.</p>";
+    section.html += "<p class='caption'>" + escape_html(note) + "</p>";
     if (!published.empty())
         section.html += "<p class='caption'>" + escape_html(published_source()) + "</p>";
     return section;

@@ -32,8 +32,13 @@ std::string holding_text(const Accuracy& accuracy);
 std::string signed_percent(double value);  ///< "+3.1 %"
 std::string percent(double value);         ///< "3.1 %"
 
-/// Sections that most studies share: pictures with `accuracy_table`.
+/// What the errors of most studies are made of, for a caption.
+std::string other_mesh_note();
+
+/// Sections that most studies share: pictures with `accuracy_table`. `note`: what the errors are
+/// made of.
 StudySection accuracy_section(const std::vector<Estimate>& ours,
-                              const std::vector<Estimate>& published, const std::string& x_label);
+                              const std::vector<Estimate>& published, const std::string& x_label,
+                              const std::string& note = other_mesh_note());
 
 }  // namespace palpate

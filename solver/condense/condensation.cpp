@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
-#include "solver/model/stiffness_matrix.hpp"
+#include "solver/condense/region_mechanics.hpp"
 
 namespace palpate {
 namespace {
@@ -77,6 +78,7 @@ void require_separate_interiors(const Model& model, const NodeRoles& roles) {
 /// node prescribed.
 struct SubModel {
     Model model;
+    std::vector<Index> nodes;           ///< their numbers in the whole model
     std::vector<Index> observed_nodes;  ///< node numbers in `model`, in the order of the list
     std::vector<Index> driven_nodes;
     CondensedRegion block;  ///< `region`, `observed` and `driven` are filled in
@@ -95,6 +97,7 @@ SubModel extract_region(const Model& model, const NodeRoles& roles, Index region
             if (local[n] < 0) {
                 local[n] = sub.model.mesh.num_nodes();
                 sub.model.mesh.nodes.push_back(model.mesh.nodes[n]);
+                sub.nodes.push_back(n);
                 const bool boundary = roles.role[n] != Role::interior;
                 for (Index c = 0; c < 3; ++c)
                     sub.model.prescribed.push_back(boundary || model.prescribed[3 * n + c]);
@@ -122,8 +125,20 @@ SubModel extract_region(const Model& model, const NodeRoles& roles, Index region
     return sub;
 }
 
+Index num_columns_of(const SubModel& sub) {
+    return 3 * static_cast<Index>(sub.observed_nodes.size());
+}
+
+/// The part of a region's nodal forces that is at its observed nodes.
+void set_force(SubModel& sub, const Eigen::VectorXd& force) {
+    sub.block.observed_force.resize(num_columns_of(sub));
+    for (std::size_t i = 0; i < sub.observed_nodes.size(); ++i)
+        sub.block.observed_force.segment<3>(3 * i) = force.segment<3>(3 * sub.observed_nodes[i]);
+}
+
 /// Every free node must hang together with a prescribed one, or K_ii is singular.
-void require_held(const SubModel& sub, const Adjacency& graph) {
+void require_held(const SubModel& sub) {
+    const Adjacency graph = node_graph(sub.model.mesh);
     const Index num_nodes = sub.model.mesh.num_nodes();
     std::vector<unsigned char> reached(num_nodes, 0);
     std::vector<Index> front;
@@ -171,40 +186,44 @@ void add_to(LinearSolverSummary& total, const LinearSolverSummary& part) {
     total.message = part.message;
 }
 
+/// What a region is made of. `options` hold the number of columns to be expected.
+using MakeMechanics = std::function<std::unique_ptr<RegionMechanics>(
+    const SubModel& sub, const LinearSolverOptions& options)>;
+
 class Condensation {
 public:
     Condensation(const LinearSolverOptions& options, const ProgressSink& progress, Index columns)
         : options_(options), progress_(progress), total_columns_(columns) {}
 
-    void run(SubModel& sub) {
-        const StiffnessMatrix stiffness = assemble_stiffness(sub.model);
-        require_held(sub, stiffness.graph);
-        const Index num_columns = 3 * static_cast<Index>(sub.observed_nodes.size());
+    void run(SubModel& sub, const MakeMechanics& make_mechanics) {
+        require_held(sub);
+        const Index num_columns = num_columns_of(sub);
         LinearSolverOptions options = options_;
         options.expected_columns = num_columns;
-        const auto solver = make_linear_solver(sub.model, options);
+        const auto region = make_mechanics(sub, options);
         if (num_columns > most_columns_) {
             most_columns_ = num_columns;
-            summary.solver = solver->describe();
+            summary.solver = region->describe();
         }
         sub.block.observed_observed.resize(num_columns, num_columns);
         sub.block.observed_driven.resize(num_columns, 3 * sub.driven_nodes.size());
         for (Index first = 0; first < num_columns; first += columns_per_call) {
             const Index count = std::min(columns_per_call, num_columns - first);
-            const Columns x = solve_unit_displacements(sub, *solver, first, count);
+            const Columns x = solve_unit_displacements(sub, *region, first, count);
             sub.block.observed_observed.middleCols(first, count) =
-                reactions(stiffness, sub.observed_nodes, x);
+                reactions(region->stiffness(), sub.observed_nodes, x);
             sub.block.observed_driven.middleRows(first, count) =
-                reactions(stiffness, sub.driven_nodes, x).transpose();
+                reactions(region->stiffness(), sub.driven_nodes, x).transpose();
         }
         symmetrise(sub.block.observed_observed);
+        if (region->force().size() > 0) set_force(sub, region->force());
     }
 
     CondensationSummary summary;
 
 private:
     /// Column j: observed dof `first + j` moves by 1 mm, all other boundary dofs stay.
-    Columns solve_unit_displacements(const SubModel& sub, LinearSolver& solver, Index first,
+    Columns solve_unit_displacements(const SubModel& sub, RegionMechanics& region, Index first,
                                      Index count) {
         Columns b = Columns::Zero(sub.model.num_dofs(), count);
         for (Index j = 0; j < count; ++j) {
@@ -212,7 +231,7 @@ private:
             b(3 * sub.observed_nodes[dof / 3] + dof % 3, j) = 1;
         }
         Columns x;
-        const LinearSolverSummary part = solver.solve(b, x);
+        const LinearSolverSummary part = region.solve(b, x);
         add_to(summary.linear, part);
         summary.columns += count;
         if (!part.converged)
@@ -240,29 +259,32 @@ private:
     Index most_columns_ = 0;  ///< of the regions so far
 };
 
-}  // namespace
-
-std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
-                                      const std::vector<Index>& driven,
-                                      const LinearSolverOptions& options,
-                                      CondensationSummary* summary, const ProgressSink& progress) {
-    const auto start = std::chrono::steady_clock::now();
+/// The regions that an observed node touches.
+std::vector<SubModel> observed_regions(const Model& model, const std::vector<Index>& observed,
+                                       const std::vector<Index>& driven) {
     check_model(model);
     const NodeRoles roles = assign_roles(model, observed, driven);
     require_separate_interiors(model, roles);
-
     std::vector<SubModel> parts;
-    Index columns = 0;
     for (Index region = 0; region < static_cast<Index>(model.materials.size()); ++region) {
         SubModel sub = extract_region(model, roles, region);
-        if (sub.observed_nodes.empty()) continue;
-        columns += 3 * static_cast<Index>(sub.observed_nodes.size());
-        parts.push_back(std::move(sub));
+        if (!sub.observed_nodes.empty()) parts.push_back(std::move(sub));
     }
+    return parts;
+}
+
+std::vector<CondensedRegion> condense_regions(
+    const Model& model, const std::vector<Index>& observed, const std::vector<Index>& driven,
+    const MakeMechanics& make_mechanics, const LinearSolverOptions& options,
+    CondensationSummary* summary, const ProgressSink& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<SubModel> parts = observed_regions(model, observed, driven);
+    Index columns = 0;
+    for (const SubModel& sub : parts) columns += num_columns_of(sub);
     Condensation condensation(options, progress, columns);
     std::vector<CondensedRegion> result;
     for (SubModel& sub : parts) {
-        condensation.run(sub);
+        condensation.run(sub, make_mechanics);
         result.push_back(std::move(sub.block));
     }
     if (summary) {
@@ -270,6 +292,59 @@ std::vector<CondensedRegion> condense(const Model& model, const std::vector<Inde
         summary->linear.converged = true;
         summary->seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    return result;
+}
+
+/// [3 num_nodes] of the region's own nodes.
+Eigen::VectorXd part_of(const Eigen::VectorXd& displacement, const SubModel& sub) {
+    Eigen::VectorXd part(3 * sub.nodes.size());
+    for (std::size_t n = 0; n < sub.nodes.size(); ++n)
+        part.segment<3>(3 * n) = displacement.segment<3>(3 * sub.nodes[n]);
+    return part;
+}
+
+void check_state(const DeformedState& state, const Model& model) {
+    if (state.displacement.size() != model.num_dofs())
+        throw Error(ErrorCode::invalid_argument,
+                    "Condensation: a state needs 3 displacements per node, " +
+                        std::to_string(model.num_dofs()) + ", not " +
+                        std::to_string(state.displacement.size()) + ".");
+}
+
+}  // namespace
+
+std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
+                                      const std::vector<Index>& driven,
+                                      const LinearSolverOptions& options,
+                                      CondensationSummary* summary, const ProgressSink& progress) {
+    const auto linear = [](const SubModel& sub, const LinearSolverOptions& solver) {
+        return make_linear_region(sub.model, solver);
+    };
+    return condense_regions(model, observed, driven, linear, options, summary, progress);
+}
+
+std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model& model,
+                                         const std::vector<Index>& observed,
+                                         const std::vector<Index>& driven,
+                                         const LinearSolverOptions& options,
+                                         CondensationSummary* summary,
+                                         const ProgressSink& progress) {
+    check_state(state, model);
+    const auto tangent = [&](const SubModel& sub, const LinearSolverOptions& solver) {
+        return make_tangent_region(sub.model, state.law, part_of(state.displacement, sub), solver);
+    };
+    return condense_regions(model, observed, driven, tangent, options, summary, progress);
+}
+
+std::vector<CondensedRegion> region_forces(const DeformedState& state, const Model& model,
+                                           const std::vector<Index>& observed,
+                                           const std::vector<Index>& driven) {
+    check_state(state, model);
+    std::vector<CondensedRegion> result;
+    for (SubModel& sub : observed_regions(model, observed, driven)) {
+        set_force(sub, force_of_region(sub.model, state.law, part_of(state.displacement, sub)));
+        result.push_back(std::move(sub.block));
     }
     return result;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "solver/linear/linear_solver.hpp"
@@ -19,6 +20,8 @@ struct CondensedRegion {
     std::vector<Index> driven;          ///< positions in the driven node list, ascending
     Eigen::MatrixXd observed_observed;  ///< [3 |observed|, 3 |observed|], mN/mm per kPa, symmetric
     Eigen::MatrixXd observed_driven;    ///< [3 |observed|, 3 |driven|]
+    /// [3 |observed|] mN per kPa, internal forces of the state that was linearised; empty at rest.
+    Eigen::VectorXd observed_force = {};
 };
 
 struct CondensationSummary {
@@ -39,5 +42,33 @@ std::vector<CondensedRegion> condense(const Model& model, const std::vector<Inde
                                       const LinearSolverOptions& options,
                                       CondensationSummary* summary = nullptr,
                                       const ProgressSink& progress = {});
+
+/// A body at large deformation.
+struct DeformedState {
+    /// Of the registry, with the parameters `stiffness_kpa`, to which its energy is proportional,
+    /// and `poisson_ratio`.
+    std::string law;
+    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
+};
+
+/// The same for a body linearised at an equilibrium u*, which it is for some moduli E*: forces and
+/// tangent are sums over the regions, f = sum_r E_r f_r and K = sum_r E_r K_r(u*), so for other
+/// moduli and wall motions, to first order,
+///   sum_r E_r (g_r + S_r,oo (u_o - u_o*) + S_r,od (u_d - u_d*)) = 0
+/// with g_r the forces of region r at the observed nodes. At interior nodes each region alone is
+/// in equilibrium, whatever its modulus. Solved directly on the host. `model` says elements,
+/// prescribed dofs and Poisson's ratios. Throws Error(solve_failed) also where a region is not
+/// stable.
+std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model& model,
+                                         const std::vector<Index>& observed,
+                                         const std::vector<Index>& driven,
+                                         const LinearSolverOptions& options,
+                                         CondensationSummary* summary = nullptr,
+                                         const ProgressSink& progress = {});
+
+/// The g_r of `condense_at` alone, with the regions and their observed nodes; no blocks.
+std::vector<CondensedRegion> region_forces(const DeformedState& state, const Model& model,
+                                           const std::vector<Index>& observed,
+                                           const std::vector<Index>& driven);
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include "solver/linear/constrained_system.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
@@ -19,12 +20,25 @@ std::vector<unsigned char> nonzero_nodes(const Columns& x) {
     return nonzero;
 }
 
+StiffnessMatrix checked_stiffness(const Model& model) {
+    check_model(model);
+    return assemble_stiffness(model);
+}
+
 }  // namespace
 
-ConstrainedSystem::ConstrainedSystem(const Model& model) : model_(model) {
-    check_model(model_);
-    stiffness_ = assemble_stiffness(model_);
+ConstrainedMatrix::ConstrainedMatrix(StiffnessMatrix stiffness,
+                                     std::vector<std::uint8_t> prescribed)
+    : stiffness_(std::move(stiffness)), prescribed_(std::move(prescribed)) {
+    if (static_cast<Index>(prescribed_.size()) != 3 * stiffness_.num_nodes())
+        throw Error(ErrorCode::invalid_argument,
+                    "a matrix of " + std::to_string(stiffness_.num_nodes()) +
+                        " nodes needs three marks of prescribed displacement per node, not " +
+                        std::to_string(prescribed_.size()) + " in all");
 }
+
+ConstrainedSystem::ConstrainedSystem(const Model& model)
+    : ConstrainedMatrix(checked_stiffness(model), model.prescribed), model_(model) {}
 
 void ConstrainedSystem::set_stiffness(std::span<const double> stiffness_kpa) {
     if (stiffness_kpa.size() != model_.materials.size())
@@ -42,7 +56,7 @@ void ConstrainedSystem::set_stiffness(std::span<const double> stiffness_kpa) {
     stiffness_ = assemble_stiffness(model_);
 }
 
-void ConstrainedSystem::residual_rows(Index first, Index last, const Columns& b, const Columns& x,
+void ConstrainedMatrix::residual_rows(Index first, Index last, const Columns& b, const Columns& x,
                                       std::span<const unsigned char> nonzero, Columns& r) const {
     const Index columns = static_cast<Index>(x.cols());
     multiply_rows(stiffness_, first, last, x.data(), columns, nonzero, r.row(3 * first).data());
@@ -54,12 +68,12 @@ void ConstrainedSystem::residual_rows(Index first, Index last, const Columns& b,
     }
 }
 
-void ConstrainedSystem::residual(const Columns& b, const Columns& x, Columns& r) const {
+void ConstrainedMatrix::residual(const Columns& b, const Columns& x, Columns& r) const {
     r.resize(x.rows(), x.cols());
     residual_rows(0, stiffness_.num_nodes(), b, x, nonzero_nodes(x), r);
 }
 
-void ConstrainedSystem::parallel_residual(const Columns& b, const Columns& x, Columns& r) const {
+void ConstrainedMatrix::parallel_residual(const Columns& b, const Columns& x, Columns& r) const {
     r.resize(x.rows(), x.cols());
     const std::vector<unsigned char> nonzero = nonzero_nodes(x);
     parallel_ranges(stiffness_.num_nodes(), nodes_per_thread,

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "solver/linear/linear_solver.hpp"
@@ -9,18 +11,18 @@
 
 namespace palpate {
 
-/// K x = b with prescribed dofs, on the host in fp64: what every solver's answer is checked
-/// against.
-class ConstrainedSystem {
+/// K x = b with prescribed dofs for one symmetric K, on the host in fp64: what every solver's
+/// answer is checked against.
+class ConstrainedMatrix {
 public:
-    /// Copies the model. Throws Error(invalid_argument) as `check_model` does.
-    explicit ConstrainedSystem(const Model& model);
+    /// `prescribed` [3 num_nodes], 1 where the displacement is given. Throws
+    /// Error(invalid_argument) if the two do not have the same size.
+    ConstrainedMatrix(StiffnessMatrix stiffness, std::vector<std::uint8_t> prescribed);
 
-    void set_stiffness(std::span<const double> stiffness_kpa);
-
-    const Model& model() const { return model_; }
     const StiffnessMatrix& stiffness() const { return stiffness_; }
-    bool is_prescribed(Index dof) const { return model_.prescribed[dof] != 0; }
+    const std::vector<std::uint8_t>& prescribed() const { return prescribed_; }
+    Index num_dofs() const { return static_cast<Index>(prescribed_.size()); }
+    bool is_prescribed(Index dof) const { return prescribed_[dof] != 0; }
 
     /// r = b - K x at free dofs and 0 at prescribed dofs, where x holds the prescribed values.
     /// One thread; b, x, r: [num_dofs, columns]. Nodes where x is zero cost nothing.
@@ -28,12 +30,27 @@ public:
     /// The same with the nodes shared among the host threads.
     void parallel_residual(const Columns& b, const Columns& x, Columns& r) const;
 
+protected:
+    StiffnessMatrix stiffness_;
+
 private:
     void residual_rows(Index first, Index last, const Columns& b, const Columns& x,
                        std::span<const unsigned char> nonzero, Columns& r) const;
 
+    std::vector<std::uint8_t> prescribed_;
+};
+
+/// The K of a linearly elastic model, for any moduli.
+class ConstrainedSystem : public ConstrainedMatrix {
+public:
+    /// Copies the model. Throws Error(invalid_argument) as `check_model` does.
+    explicit ConstrainedSystem(const Model& model);
+
+    void set_stiffness(std::span<const double> stiffness_kpa);
+    const Model& model() const { return model_; }
+
+private:
     Model model_;
-    StiffnessMatrix stiffness_;
 };
 
 /// Euclidean norm of every column. Throws Error(solve_failed) naming `what` if one is not finite.

@@ -175,10 +175,88 @@ TEST(Marginal, MisfitIsTheObjectiveWithoutThePriorOfTheModuli) {
                 1e-9);
 }
 
+/// The same mechanics about another point, with forces there that do not balance.
+struct MovedFixture : Fixture {
+    ReducedModel moved = model_at_a_point();
+    ResponseModel moved_response = ResponseModel::exact(moved, walls);
+
+    ReducedModel model_at_a_point() {
+        auto parts = regions();
+        for (auto& part : parts) part.observed_force = noise(part.observed_observed.rows());
+        return {parts,
+                num_observed,
+                num_driven,
+                {0, 10, 60, 60},
+                {noise(3 * num_driven), noise(3 * num_observed)}};
+    }
+};
+
+TEST(MarginalAtAPoint, ResponseIsThatOfTheReducedModel) {
+    MovedFixture f;
+    std::vector<double> kpa{0, 10, 35, 80};
+
+    const Eigen::VectorXd answer = f.moved_response.observed_displacement(kpa, f.driven);
+
+    const Eigen::VectorXd expected =
+        f.moved.point().observed -
+        f.moved.stiffness(kpa).inverse() *
+            (f.moved.coupling_times(kpa, f.driven - f.moved.point().driven) +
+             f.moved.imbalance(kpa));
+    EXPECT_LT((answer - expected).norm(), 1e-10 * expected.norm());
+    EXPECT_LT((f.moved.observed_displacement(kpa, f.driven) - expected).norm(),
+              1e-10 * expected.norm());
+}
+
+TEST(MarginalAtAPoint, GradientIsTheSlopeOfTheObjective) {
+    MovedFixture f;
+    const LinearisedProblem problem(f.moved_response, f.walls, f.rows, f.driven, f.observed,
+                                    f.priors);
+    const Eigen::Vector2d theta(4.0, 3.2);
+    const double h = 1e-5;
+
+    const auto here = problem.evaluate(theta, true);
+
+    for (Index k = 0; k < 2; ++k) {
+        const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(2, k);
+        const double slope = (problem.evaluate(theta + step, false).objective -
+                              problem.evaluate(theta - step, false).objective) /
+                             (2 * h);
+        EXPECT_NEAR(here.gradient[k], slope, 1e-6 * (1 + std::abs(slope)));
+    }
+}
+
+TEST(MarginalAtAPoint, MovesWithTheReducedModel) {
+    MovedFixture f;
+    ReducedModel model = f.moved;
+    auto forces = f.moved.regions();
+    for (auto& part : forces) part.observed_force *= 0.5;
+    model.move_to({f.noise(12), f.noise(15)}, forces);
+    const std::vector<double> kpa{0, 10, 35, 80};
+
+    const ResponseModel response = f.moved_response.moved_with(model);
+
+    const Eigen::VectorXd expected = model.observed_displacement(kpa, f.driven);
+    EXPECT_LT((response.observed_displacement(kpa, f.driven) - expected).norm(),
+              1e-10 * expected.norm());
+}
+
+TEST(MarginalAtAPoint, IsInfiniteWhereTheMechanicsAreNotStable) {
+    MovedFixture f;
+    auto parts = f.moved.regions();
+    parts[1].observed_observed *= -0.1;  // what stress can do to a tangent
+    const ReducedModel model(parts, Fixture::num_observed, Fixture::num_driven, {0, 10, 60, 60},
+                             f.moved.point());
+    const ResponseModel response = ResponseModel::exact(model, f.walls);
+    const LinearisedProblem problem(response, f.walls, f.rows, f.driven, f.observed, f.priors);
+
+    EXPECT_TRUE(std::isfinite(problem.evaluate(Eigen::Vector2d(0, 4), true).objective));
+    EXPECT_TRUE(std::isinf(problem.evaluate(Eigen::Vector2d(9, 4), true).objective));
+}
+
 TEST(Marginal, SearchEndsWhereTheGradientVanishes) {
     Fixture f;
     const auto problem = f.problem();
-    const ModulusBounds bounds{std::log(0.01), std::log(1e6)};
+    const ModulusBounds bounds = same_bounds(2, std::log(0.01), std::log(1e6));
 
     const auto found = minimise_moduli(problem, scan_moduli(problem, bounds), bounds);
 

@@ -89,7 +89,8 @@ TEST_F(DeformedPelvis, MovesWallsAsPrescribedHoldsBonesAndCrushesNoElement) {
     LinearSolverOptions options;
     options.backend = "reference";
 
-    const Deformation result = deform_by_walls(block, materials, motions, 1, options, {});
+    const Deformation result =
+        deform_by_walls(block, materials, motions, 1, TissueLaw::linear, options, {});
 
     double smallest = std::numeric_limits<double>::max();
     for (const Tet& t : block.mesh.tets) {
@@ -123,8 +124,8 @@ TEST_F(DeformedPelvis, BalancesForcesBetweenWallsBonesAndBox) {
     materials[2] = {80, 0.40};
     LinearSolverOptions options;
     options.backend = "reference";
-    const Deformation result =
-        deform_by_walls(block, materials, make_wall_motions(anatomy, 1), 1, options, {});
+    const Deformation result = deform_by_walls(block, materials, make_wall_motions(anatomy, 1), 1,
+                                               TissueLaw::linear, options, {});
 
     const auto forces = nodal_forces(block.mesh, materials, result.displacement);
 

@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/pipeline/finite_strain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "host/pipeline/recover.hpp"
+#include "host/surfaces/surface_shape.hpp"
+#include "solver/base/error.hpp"
+#include "tests/unit/phantom/hollow_block.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double true_kpa = 60;
+const Vec3 balloon_centre(14, 20, 20), ball_centre(26, 20, 20);
+
+/// A block of 40 mm with a ball of unknown stiffness beside a balloon that is blown up.
+struct Block {
+    static Settings two_organs() {
+        return parse_settings(
+            "[background]\nstiffness_kpa = 10.0\n"
+            "[[organ]]\nname = \"ball\"\nlabel = 1\nrole = \"tissue\"\nstiffness_kpa = "
+            "\"unknown\"\n"
+            "[[organ]]\nname = \"balloon\"\nlabel = 2\nrole = \"driven\"\n",
+            "block");
+    }
+    Settings settings = two_organs();
+    RegionMesh mesh =
+        fixtures::region_block({10, 10, 10}, Vec3::Constant(40),
+                               [](const Vec3& x) {
+                                   if ((x - ball_centre).norm() < 7) return Index(2);
+                                   return (x - balloon_centre).norm() < 6 ? Index(3) : Index(1);
+                               },
+                               {3});
+    Mechanics rest = mechanics();
+
+    static LinearSolverOptions solver() {
+        LinearSolverOptions options;
+        options.method = LinearMethod::direct;
+        return options;
+    }
+    Mechanics mechanics() const {
+        StageTimer timer;
+        MechanicsOptions fine;
+        fine.response.tolerance_mm = 0.001;
+        return make_mechanics(mesh, settings, solver(), fine, timer);
+    }
+    /// [3 num_nodes] mm: the neo-Hookean body with the balloon's wall moved outward.
+    Eigen::VectorXd blown_up(double mm) const {
+        Model model = rest.recovery.model;
+        model.materials[2].stiffness_kpa = true_kpa;
+        SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
+                         Eigen::VectorXd::Zero(model.num_dofs())};
+        for (const Index node : rest.recovery.driven)
+            loads.displacement.segment<3>(3 * node) =
+                mm * (model.mesh.nodes[node] - balloon_centre).normalized();
+        const SolidAssembly solid(solid_model_of(model, TissueLaw::neo_hookean));
+        const Equilibrium state = solve_equilibrium(solid, loads, {});
+        EXPECT_TRUE(state.converged) << state.message;
+        return state.displacement;
+    }
+    SurfaceObservations observations(const Eigen::VectorXd& u, double noise_mm) const {
+        ObservedShapes shapes;
+        for (const ObservedSurface& organ : rest.recovery.surfaces) {
+            Surface moved = organ.surface;
+            for (std::size_t v = 0; v < moved.vertices.size(); ++v)
+                moved.vertices[v] += u.segment<3>(3 * organ.node_of[v]);
+            shapes.reference.push_back(std::make_shared<SurfaceShape>(organ.surface));
+            shapes.target.push_back(std::make_shared<SurfaceShape>(std::move(moved)));
+        }
+        ObservationOptions options;
+        options.noise_mm = noise_mm;
+        options.independent_area_mm2 = 1e-6;
+        return SurfaceObservations(rest.recovery, std::move(shapes),
+                                   std::vector<std::uint8_t>(mesh.mesh.nodes.size(), 1), options);
+    }
+    static FiniteStrainOptions options() {
+        FiniteStrainOptions options;
+        options.search.smallest_noise_scale = 0.02;
+        options.search.noise_iterations = 3;
+        options.response.tolerance_mm = 0.001;
+        options.solver = solver();
+        options.model_sd_ln = 0;
+        return options;
+    }
+};
+
+double percent_off(double kpa, double expected) { return 100 * (kpa / expected - 1); }
+
+TEST(FiniteStrain, FindsTheTruthWhereLinearElasticityDoesNot) {
+    const Block block;
+    const Eigen::VectorXd truth = block.blown_up(4);
+    const auto seen = block.observations(truth, 0.5);
+
+    const auto found =
+        search_finite_strain(block.rest, TissueLaw::neo_hookean, seen, Block::options());
+
+    EXPECT_LT(std::abs(percent_off(std::exp(found.estimate.theta[0]), true_kpa)), 3);
+    EXPECT_GT(std::abs(percent_off(std::exp(found.first.theta[0]), true_kpa)), 6);
+    EXPECT_LE(found.estimate.interval_kpa[0][0], true_kpa);
+    EXPECT_GE(found.estimate.interval_kpa[0][1], true_kpa);
+    EXPECT_TRUE(found.state.converged);
+    EXPECT_LT(found.gap_mm, 0.02);
+    EXPECT_LT((found.state.displacement - truth).norm(), 0.2 * truth.norm());
+}
+
+/// With Hooke's law every tangent is that at rest, so that the rounds must find what the search at
+/// rest finds.
+TEST(FiniteStrain, ChangesNothingForTheLinearLaw) {
+    const Block block;
+    const auto seen = block.observations(block.blown_up(4), 0.5);
+    FiniteStrainOptions options = Block::options();
+    options.search.estimate_noise = false;
+    options.search.smallest_noise_scale = 1;  // both take the same noise
+    options.search.modulus_tolerance_sd = 0.01;
+
+    const auto found = search_finite_strain(block.rest, TissueLaw::linear, seen, options);
+
+    const double kpa = std::exp(found.estimate.theta[0]), first = std::exp(found.first.theta[0]);
+    EXPECT_LT(std::abs(percent_off(kpa, first)), 2);  // a quarter of its deviation
+    EXPECT_LT(found.gap_mm, 0.002);
+    for (int end : {0, 1})
+        EXPECT_NEAR(found.estimate.interval_kpa[0][end] / found.first.interval_kpa[0][end], 1,
+                    0.01);
+}
+
+TEST(FiniteStrain, SaysThatItDidNotSettle) {
+    const Block block;
+    const auto seen = block.observations(block.blown_up(3), 0.5);
+    FiniteStrainOptions options = Block::options();
+    options.max_rounds = 1;
+    options.displacement_tolerance_mm = 1e-9;
+
+    const auto found = search_finite_strain(block.rest, TissueLaw::neo_hookean, seen, options);
+
+    EXPECT_FALSE(found.estimate.termination.converged);
+    EXPECT_NE(found.estimate.termination.reason.find("1 rounds of linearisation"),
+              std::string::npos);
+}
+
+TEST(FiniteStrain, SaysThatThereIsNoEquilibriumWhereMatterWouldInvert) {
+    const Block block;
+    Eigen::VectorXd crushed = Eigen::VectorXd::Zero(3 * block.mesh.mesh.num_nodes());
+    for (const Index node : block.rest.recovery.driven)  // through ball and border of the block
+        crushed.segment<3>(3 * node) =
+            25 * (block.mesh.mesh.nodes[node] - balloon_centre).normalized();
+    const auto seen = block.observations(crushed, 0.02);
+    FiniteStrainOptions options = Block::options();
+    options.max_rounds = 2;
+    options.search.max_iterations = 5;
+
+    try {
+        search_finite_strain(block.rest, TissueLaw::neo_hookean, seen, options);
+        FAIL() << "an equilibrium of crushed matter";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::solve_failed);
+        EXPECT_NE(std::string(error.what()).find("neo-hookean body has no equilibrium"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(FiniteStrain, RefusesWhatItCannotDo) {
+    const auto refusal = [](const auto& change) -> std::string {
+        RecoverOptions options;
+        options.law = TissueLaw::neo_hookean;
+        options.settings = Block().settings;
+        change(options);
+        try {
+            check_tissue_law(options);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+            return error.what();
+        }
+        return "";
+    };
+
+    EXPECT_EQ(refusal([](RecoverOptions&) {}), "");
+    EXPECT_NE(refusal([](auto& options) {
+                  options.method = SearchMethod::nested_lbfgs;
+              }).find("--method nested-lbfgs does not go with --material neo-hookean"),
+              std::string::npos);
+    EXPECT_NE(refusal([](auto& options) {
+                  options.settings.organs[0].poisson_unknown = true;
+              }).find("poisson_ratio = \"unknown\""),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate
