@@ -112,7 +112,7 @@ Equilibrium Rounds::equilibrium_from(const Eigen::VectorXd& start) const {
     for (std::size_t k = 0; k < driven.size(); ++k)
         loads.displacement.segment<3>(3 * driven[k]) = found_.estimate.driven.segment<3>(3 * k);
     EquilibriumOptions solve;
-    solve.direct_library = options_.solver.direct_library;
+    solve.linear.direct_library = options_.solver.direct_library;
     solve.smallest_step = smallest_step;
     return solve_equilibrium(*found_.solid, loads, solve, {start, {}}, progress_);
 }
