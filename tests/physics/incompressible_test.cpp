@@ -148,22 +148,32 @@ double lames_displacement(double stiffness, double ratio, double pressure, doubl
            ((1 - 2 * ratio) * radius + (1 + ratio) * b * b * b / (2 * radius * radius));
 }
 
-/// The largest error of the radial displacement of a thick sphere under pressure, relative.
-double spheres_error(const SolidMesh& mesh, const std::string& law, VolumeTreatment volume) {
-    constexpr double stiffness = 10, pressure = 1e-4;
-    SolidModel model = held_nowhere(mesh, {law, {stiffness, almost_half}}, volume);
+constexpr double inner_pressure = 1e-4;
+
+SolidModel sphere_model(const SolidMesh& mesh, const std::string& law, VolumeTreatment volume) {
+    SolidModel model = held_nowhere(mesh, {law, {10, almost_half}}, volume);
     for (Index n = 0; n < mesh.num_nodes(); ++n)
         for (int c = 0; c < 3; ++c)
             if (std::abs(mesh.nodes[n][c]) < 1e-9) model.prescribed[3 * n + c] = 1;
+    return model;
+}
+
+Eigen::VectorXd blown_up(const SolidModel& model) {
     const auto inside =
-        boundary_faces(mesh, [&](Index n) { return mesh.nodes[n].norm() < 10 + 1e-6; });
-    const Eigen::VectorXd force = traction_forces(
-        mesh, inside, [&](const Vec3&, const Vec3& n) { return Vec3(-pressure * n); });
-    const Eigen::VectorXd u = displacement_under(model, force);
+        boundary_faces(model.mesh, [&](Index n) { return model.mesh.nodes[n].norm() < 10 + 1e-6; });
+    return displacement_under(model,
+                              traction_forces(model.mesh, inside, [&](const Vec3&, const Vec3& n) {
+                                  return Vec3(-inner_pressure * n);
+                              }));
+}
+
+/// The largest error of the radial displacement of a thick sphere under pressure, relative.
+double spheres_error(const SolidMesh& mesh, const std::string& law, VolumeTreatment volume) {
+    const Eigen::VectorXd u = blown_up(sphere_model(mesh, law, volume));
     double worst = 0;
     for (Index n = 0; n < mesh.num_nodes(); ++n) {
         const Vec3& x = mesh.nodes[n];
-        const double expected = lames_displacement(stiffness, almost_half, pressure, x.norm());
+        const double expected = lames_displacement(10, almost_half, inner_pressure, x.norm());
         const double found = u.segment<3>(3 * n).dot(x.normalized());
         worst = std::max(worst, std::abs(found / expected - 1));
     }
@@ -177,6 +187,85 @@ TEST(Incompressible, AThickSphereUnderPressureDoesNotLock) {
         RecordProperty(std::string("worst_relative_error_") + law, std::to_string(worst));
         EXPECT_LT(worst, 0.02) << law;
     }
+}
+
+/// tr P / 3 of every element at u: at small strains the mean stress.
+std::vector<double> mean_stresses(const SolidModel& model, const Eigen::VectorXd& u) {
+    const auto points = SolidAssembly(model).point_states(u);
+    const auto count = static_cast<std::size_t>(model.mesh.table().num_points);
+    std::vector<double> stresses;
+    for (Index e = 0; e < model.mesh.num_elements(); ++e) {
+        double sum = 0, volume = 0;
+        for (std::size_t q = 0; q < count; ++q) {
+            const PointState& point = points[e * count + q];
+            sum += point.volume * trace(point.stress) / 3;
+            volume += point.volume;
+        }
+        stresses.push_back(sum / volume);
+    }
+    return stresses;
+}
+
+// In a thick sphere the mean stress is p a^3 / (b^3 - a^3) everywhere: elements that take turns in
+// being too high and too low would show.
+TEST(Incompressible, PressureHasNoCheckerboardInAThickSphere) {
+    constexpr double expected = inner_pressure / 7;
+    const SolidModel mean =
+        sphere_model(quadratic_shell(5, 4), "neo-hookean", VolumeTreatment::element_mean);
+    double worst = 0, sum = 0;
+    const auto stresses = mean_stresses(mean, blown_up(mean));
+    for (const double stress : stresses) {
+        worst = std::max(worst, std::abs(stress - expected));
+        sum += stress / static_cast<double>(stresses.size());
+    }
+    RecordProperty("worst_of_inner_pressure", std::to_string(worst / inner_pressure));
+    EXPECT_NEAR(sum, expected, 0.01 * inner_pressure);
+    EXPECT_LT(worst, 0.15 * inner_pressure);
+    // What a checkerboard looks like.
+    const SolidModel locked =
+        sphere_model(quadratic_shell(5, 4), "neo-hookean", VolumeTreatment::pointwise);
+    double worst_locked = 0;
+    for (const double stress : mean_stresses(locked, blown_up(locked)))
+        worst_locked = std::max(worst_locked, std::abs(stress - expected));
+    RecordProperty("worst_pointwise", std::to_string(worst_locked / inner_pressure));
+}
+
+/// The part of the mean stress in Cook's panel that takes turns from one quad4 to the next, of its
+/// root mean square.
+double cooks_checkerboard(Index cells) {
+    const SolidMesh mesh = cooks_panel(ElementType::quad4, cells);
+    SolidModel model =
+        held_nowhere(mesh, {"linear", {1, almost_half}}, VolumeTreatment::element_mean);
+    for (Index n = 0; n < mesh.num_nodes(); ++n)
+        if (mesh.nodes[n].x() < 1e-9) std::fill_n(&model.prescribed[3 * n], 3, 1);
+    const auto edge = boundary_faces(mesh, [&](Index n) { return mesh.nodes[n].x() > 48 - 1e-9; });
+    const auto stresses = mean_stresses(
+        model, displacement_under(model, traction_forces(mesh, edge, [](const Vec3&, const Vec3&) {
+                                      return Vec3(0, 1e-4, 0);
+                                  })));
+    // The stencil below is 1 for a checkerboard and 0 for what is linear along either axis. The
+    // clamped corners, where stress has no bound, are left out.
+    double size = 0, rough = 0;
+    for (Index j = 1; j + 1 < cells; ++j)
+        for (Index i = cells / 4; i + 1 < cells; ++i) {
+            double part = 0;
+            for (Index dj = -1; dj <= 1; ++dj)
+                for (Index di = -1; di <= 1; ++di)
+                    part += (di == 0 ? 2 : -1) * (dj == 0 ? 2 : -1) / 16.0 *
+                            stresses[i + di + cells * (j + dj)];
+            size += std::pow(stresses[i + cells * j], 2);
+            rough += part * part;
+        }
+    return std::sqrt(rough / size);
+}
+
+// A checkerboard would stay as the mesh is refined.
+TEST(Incompressible, PressureHasNoCheckerboardInCooksPanel) {
+    const double coarse = cooks_checkerboard(12), fine = cooks_checkerboard(24);
+    RecordProperty("coarse", std::to_string(coarse));
+    RecordProperty("fine", std::to_string(fine));
+    EXPECT_LT(fine, 0.1);
+    EXPECT_LT(fine, 0.7 * coarse);
 }
 
 // Why tetrahedra are quadratic with a mean volume: linear ones on the same nodes lock, and
