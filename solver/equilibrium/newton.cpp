@@ -67,6 +67,7 @@ private:
     bool reach(double load, State& state);
     bool settle(double load, State& state);
     bool settle_friction(double load, State& state);
+    bool take_friction_step(double load, State& state);
     bool advance_walls(double load, State& state);
     bool take_chord_step(double load, State& state);
     double search_line(double load, const Eigen::VectorXd& change, State& state) const;
@@ -179,12 +180,33 @@ bool EquilibriumSolve::reach(double load, State& state) {
     return !contact().has_friction() || settle_friction(load, state);
 }
 
+/// A Newton step with the tangent that knows that limits follow pressures, from a state whose do;
+/// it is taken if it leaves half of the residual.
+bool EquilibriumSolve::take_friction_step(double load, State& state) {
+    constexpr double tolerance = 1e-3;  // the next step sees to the rest
+    Eigen::MatrixXd change;
+    if (!tangent_->solve_columns_at(state.u, state.residual, change, false, tolerance))
+        return false;
+    is_shifted_ = false;
+    const Eigen::VectorXd u = state.u + change.col(0);
+    contact().renew_limits(u);
+    State next = state_at(u, load);
+    if (!next.inner.is_valid || next.residual.norm() > 0.5 * state.residual.norm()) {
+        contact().renew_limits(state.u);
+        return false;
+    }
+    records_.push_back({load, relative_residual(state, load), 1});
+    state = std::move(next);
+    return true;
+}
+
 /// Renews the limits of friction until they agree with the pressures that they lead to.
 bool EquilibriumSolve::settle_friction(double load, State& state) {
     for (int round = 0; round < most_friction_rounds; ++round) {
         contact().renew_limits(state.u);
         state = state_at(state.u, load);
         if (relative_residual(state, load) <= options_.relative_tolerance) return true;
+        if (take_friction_step(load, state)) continue;
         if (!settle(load, state)) return false;
     }
     failure_ = "friction and pressure do not agree";

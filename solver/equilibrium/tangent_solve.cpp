@@ -44,8 +44,9 @@ Eigen::MatrixXd TangentSolve::times(const Eigen::MatrixXd& x) const {
 
 /// Iterative refinement with a factor that may be another tangent's, or one with the limits of
 /// friction held: then it goes as slowly as those were found. False if it does not get there.
-bool TangentSolve::refine(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> x) const {
-    constexpr double tolerance = 1e-12;
+bool TangentSolve::refine(const Eigen::MatrixXd& r, double tolerance,
+                          Eigen::Ref<Eigen::MatrixXd> x) const {
+    constexpr double good_enough = 1e-9;
     const double slowest = contact_.has_friction() ? 0.99 : 0.5;
     const int most_steps = contact_.has_friction() ? 500 : 20;
     const auto keep_free = [&](Eigen::MatrixXd& left) {
@@ -74,14 +75,16 @@ bool TangentSolve::refine(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> 
         if (!(now <= slowest * before)) break;
         before = now;
     }
-    return worst() <= 1e3 * tolerance;
+    return worst() <= std::max(tolerance, good_enough);
 }
 
-bool TangentSolve::refine_columns(const Eigen::MatrixXd& r, Eigen::MatrixXd& x) const {
+bool TangentSolve::refine_columns(const Eigen::MatrixXd& r, double tolerance,
+                                  Eigen::MatrixXd& x) const {
     x.resize(r.rows(), r.cols());
     std::atomic<bool> is_solved{true};
     parallel_ranges(static_cast<Index>(r.cols()), 1, [&](Index begin, Index end) {
-        if (!refine(r.middleCols(begin, end - begin), x.middleCols(begin, end - begin)))
+        const Index count = end - begin;
+        if (!refine(r.middleCols(begin, count), tolerance, x.middleCols(begin, count)))
             is_solved = false;
     });
     return is_solved;
@@ -96,14 +99,14 @@ bool TangentSolve::solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r,
 }
 
 bool TangentSolve::solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r,
-                                    Eigen::MatrixXd& x, bool is_transposed) {
+                                    Eigen::MatrixXd& x, bool is_transposed, double tolerance) {
     if (is_factorised_ && !contact_.has_friction()) {
         fill_matrix(u);
-        if (refine_columns(r, x)) return true;
+        if (refine_columns(r, tolerance, x)) return true;
     }
     if (!factorise(u)) return false;
     contact_.add_limit_rates(u, is_transposed, matrix_);
-    return refine_columns(r, x);
+    return refine_columns(r, tolerance, x);
 }
 
 double TangentSolve::force_of_rounding(const Eigen::VectorXd& u) const {

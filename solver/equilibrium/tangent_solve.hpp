@@ -32,8 +32,9 @@ public:
     bool solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r, Eigen::VectorXd& x);
     /// The same for many right-hand sides R [3 num_nodes, columns], side by side; `is_transposed`
     /// false: with K instead of K^T.
+    ///   tolerance   of the relative residual, where less than 1e-12 will do
     bool solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r, Eigen::MatrixXd& x,
-                          bool is_transposed = true);
+                          bool is_transposed = true, double tolerance = 1e-12);
     /// Whether the last factorisation or solve failed because K is not positive definite.
     bool is_indefinite() const { return solver_->is_indefinite(); }
     /// Why the last factorisation or solve failed.
@@ -48,8 +49,8 @@ public:
 
 private:
     void fill_matrix(const Eigen::VectorXd& u);
-    bool refine(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> x) const;
-    bool refine_columns(const Eigen::MatrixXd& r, Eigen::MatrixXd& x) const;
+    bool refine(const Eigen::MatrixXd& r, double tolerance, Eigen::Ref<Eigen::MatrixXd> x) const;
+    bool refine_columns(const Eigen::MatrixXd& r, double tolerance, Eigen::MatrixXd& x) const;
 
     const SolidAssembly& solid_;
     ContactAssembly contact_;
