@@ -24,4 +24,18 @@ struct AdjointGradient {
 AdjointGradient adjoint_gradient(const Model& model, LinearSolver& solver, const Eigen::VectorXd& u,
                                  const Eigen::VectorXd& dj_du);
 
+/// The same for J = sum over columns of J_c(u_c) with K(E) u = f: derivatives by everything that
+/// the right-hand sides of `LinearSolver::solve` hold.
+struct LoadGradient {
+    Columns load;  ///< [3 num_nodes, columns] per mN at free, mm at prescribed dofs
+    Eigen::VectorXd stiffness_kpa;  ///< [num materials] dJ/dE_r
+};
+
+/// One solve for all columns.
+///   u      [3 num_nodes, columns] mm, the forward solutions
+///   dj_du  [3 num_nodes, columns]
+/// Throws as `adjoint_gradient` does.
+LoadGradient load_gradient(const Model& model, LinearSolver& solver, const Columns& u,
+                           const Columns& dj_du, const ProgressSink& progress = {});
+
 }  // namespace palpate

@@ -20,6 +20,7 @@ enum class ErrorCode {
     kernel_build_failed,  ///< a device program did not compile
     device_failed,        ///< the device reported an error while running
     out_of_memory,        ///< host or device memory
+    cancelled,            ///< the user or a callback asked for it
     time_limit,           ///< a limit set by the user or by a child process
     output_failed,        ///< the result could not be written
 };
@@ -36,8 +37,8 @@ private:
 };
 
 /// Stable, documented process exit codes: 0 ok; 1 internal; 2 usage; 3 unreadable input;
-/// 4 unusable input; 5 meshing; 6 forward solve; 7 not converged; 8 device; 9 time limit; 10
-/// output.
+/// 4 unusable input; 5 meshing; 6 forward solve; 7 not converged; 8 device; 9 time limit
+/// or cancelled; 10 output.
 constexpr int exit_code_not_converged = 7;
 
 constexpr int exit_code_of(ErrorCode code) {
@@ -64,6 +65,8 @@ constexpr int exit_code_of(ErrorCode code) {
             return 8;
         case ErrorCode::out_of_memory:
             return 8;
+        case ErrorCode::cancelled:
+            return 9;
         case ErrorCode::time_limit:
             return 9;
         case ErrorCode::output_failed:
