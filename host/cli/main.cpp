@@ -26,7 +26,8 @@ int parse_and_run(int argc, char** argv) {
     app.require_subcommand(1);
     app.footer(
         "Exit codes: 0 ok, 1 internal, 2 usage, 3 unreadable input, 4 unusable input, 5 meshing,\n"
-        "6 forward solve, 7 not converged (result written), 8 device, 9 time limit, 10 output.\n"
+        "6 forward solve, 7 not converged (result written), 8 device, 9 time limit or cancelled,\n"
+        "10 output.\n"
         "Not a medical device.");
     palpate::Run run;
     palpate::add_recover(app, run);

@@ -21,6 +21,8 @@ function(palpate_layer name)
   if(LAYER_SOURCES)
     add_library(palpate_${name} STATIC ${LAYER_SOURCES})
     target_link_libraries(palpate_${name} PUBLIC palpate_options ${LAYER_LINKS})
+    # All layers go into libpalpate.so, too.
+    set_target_properties(palpate_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   else()
     add_library(palpate_${name} INTERFACE)
     target_link_libraries(palpate_${name} INTERFACE palpate_options ${LAYER_LINKS})
