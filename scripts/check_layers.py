@@ -43,6 +43,7 @@ ALLOWED = {
     "host/simulation": SOLVER + STATIONS + ["host/pipeline"],
     "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study",
                                      "host/simulation"],
+    "host/python": ["host/capi"],
     "host/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
 }
 for position, station in enumerate(STATIONS):

@@ -145,8 +145,10 @@ typedef struct palpate_recover_options {
     const char* settings_toml; /* organs and roles, as in a settings file; required */
     const char* align;         /* "auto", "fixed", "centroid", "none"; null: "auto" */
     const char* mesh_program;  /* path of palpate-mesh; null: where it is looked for */
-    int32_t num_nodes;         /* of the mesh; 0: as the command line */
-    palpate_solver_options solver;
+    const char* mesh;     /* path of a ready mesh (.vtu) of the reference; null: it is meshed */
+    int32_t num_nodes;    /* of the mesh; 0: as the command line */
+    const char* material; /* "linear", "neo-hookean"; null: "linear" */
+    const palpate_solver_options* solver; /* its progress is not used; null: the defaults */
     palpate_progress progress;
     void* progress_user;
 } palpate_recover_options;
@@ -205,10 +207,11 @@ typedef struct palpate_phantom_options {
     uint32_t seed;        /* anatomy and load; the same seed gives the same phantom */
     double stiffness_kpa; /* of the prostate */
     double background_stiffness_kpa;
-    double spacing[3];        /* mm, of the label volumes */
-    int32_t num_nodes;        /* of the mesh that the truth is solved on */
-    const char* mesh_program; /* path of palpate-mesh; null: where it is looked for */
-    palpate_solver_options solver;
+    double spacing[3];                    /* mm, of the label volumes */
+    int32_t num_nodes;                    /* of the mesh that the truth is solved on */
+    const char* mesh_program;             /* path of palpate-mesh; null: where it is looked for */
+    const char* material;                 /* "linear", "neo-hookean"; null: "linear" */
+    const palpate_solver_options* solver; /* its progress is not used; null: the defaults */
     palpate_progress progress;
     void* progress_user;
 } palpate_phantom_options;

@@ -31,7 +31,6 @@ void palpate_phantom_options_init(palpate_phantom_options* options) {
     options->background_stiffness_kpa = defaults.background_stiffness_kpa;
     for (int i = 0; i < 3; ++i) options->spacing[i] = defaults.spacing[i];
     options->num_nodes = defaults.num_nodes;
-    palpate_solver_options_init(&options->solver);
 }
 
 palpate_status palpate_phantom_pelvis(const palpate_phantom_options* options,
@@ -51,8 +50,8 @@ palpate_status palpate_phantom_pelvis(const palpate_phantom_options* options,
         pelvis.num_nodes = chosen.num_nodes;
         MesherOptions mesher;
         if (chosen.mesh_program) mesher.program = chosen.mesh_program;
-        const LinearSolverOptions solver = capi::linear_solver_options(
-            completed(&chosen.solver, palpate_solver_options_init, "the solver's options"));
+        if (chosen.material) pelvis.law = tissue_law_of(chosen.material);
+        const LinearSolverOptions solver = capi::linear_solver_options(chosen.solver);
         auto made = std::make_unique<palpate_phantom>();
         made->phantom = make_pelvis(pelvis, solver, mesher,
                                     capi::progress_sink(chosen.progress, chosen.progress_user));

@@ -66,8 +66,9 @@ RecoverOptions recover_options(const palpate_recover_options& given) {
                     fmt::format("a mesh of {} nodes is too coarse; at least 500 are needed",
                                 given.num_nodes));
     if (given.num_nodes > 0) options.mesher.num_nodes = given.num_nodes;
-    options.solver = capi::linear_solver_options(
-        completed(&given.solver, palpate_solver_options_init, "the solver's options"));
+    if (given.mesh) options.mesh = given.mesh;
+    if (given.material) options.law = tissue_law_of(given.material);
+    options.solver = capi::linear_solver_options(given.solver);
     return options;
 }
 
@@ -105,7 +106,6 @@ void palpate_recover_options_init(palpate_recover_options* options) {
     if (!options) return;
     *options = {};
     options->struct_size = sizeof *options;
-    palpate_solver_options_init(&options->solver);
 }
 
 palpate_status palpate_recover(const palpate_labels* reference, const palpate_labels* target,

@@ -82,7 +82,10 @@ void multiply(const palpate_solver& solver, const double* x, std::int32_t column
 
 namespace palpate::capi {
 
-LinearSolverOptions linear_solver_options(const palpate_solver_options& given) {
+LinearSolverOptions linear_solver_options(const palpate_solver_options* chosen) {
+    palpate_solver_options given;
+    palpate_solver_options_init(&given);
+    if (chosen) given = completed(chosen, palpate_solver_options_init, "the solver's options");
     LinearSolverOptions options;
     const std::string method = given.method ? given.method : "auto";
     bool is_known = false;
@@ -141,7 +144,7 @@ palpate_status palpate_solver_create(const palpate_model* model,
         made->model = model_of(completed(model, palpate_model_init, "the model"));
         check_model(made->model);
         made->progress = capi::progress_sink(chosen.progress, chosen.progress_user);
-        made->solver = make_linear_solver(made->model, capi::linear_solver_options(chosen));
+        made->solver = make_linear_solver(made->model, capi::linear_solver_options(&chosen));
         made->stiffness = assemble_stiffness(made->model);
         made->description = describe(made->solver->describe());
         *solver = made.release();

@@ -7,7 +7,8 @@
 
 namespace palpate::capi {
 
-/// Throws Error(invalid_argument) naming what is out of range, and Error(device_unavailable).
-LinearSolverOptions linear_solver_options(const palpate_solver_options& given);
+/// Null: the defaults. Throws Error(invalid_argument) naming what is out of range, and
+/// Error(device_unavailable).
+LinearSolverOptions linear_solver_options(const palpate_solver_options* given);
 
 }  // namespace palpate::capi

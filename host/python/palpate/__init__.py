@@ -1,0 +1,13 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""Computational palpation: the stiffness of organs from two segmentations.
+
+Lengths in mm, stiffness in kPa, forces in mN, places in LPS patient space. Not a medical device.
+"""
+from ._core import PalpateError
+from ._core import version as _version
+from .recovery import LabelVolume, Phantom, Result, phantom, recover
+from .solver import Solver
+
+__version__ = _version().split()[0]
+__all__ = ["LabelVolume", "PalpateError", "Phantom", "Result", "Solver", "phantom", "recover"]
