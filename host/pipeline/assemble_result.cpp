@@ -11,8 +11,10 @@
 #include "host/inverse/uncertainty.hpp"
 #include "host/meshing/rasterise.hpp"
 #include "host/modelling/regions.hpp"
+#include "host/pipeline/deformation.hpp"
 #include "host/pipeline/finish.hpp"
 #include "host/pipeline/observed_target.hpp"
+#include "host/pipeline/surface_agreement.hpp"
 #include "host/pipeline/version.hpp"
 #include "host/pipeline/volumes.hpp"
 #include "host/surfaces/picture_surface.hpp"
@@ -189,60 +191,14 @@ std::vector<RegionResult> region_results(const Recovered& found, const Settings&
     return results;
 }
 
-struct Distances {
-    double mean = 0, max = 0;
-};
-
-Distances summarise(const std::vector<double>& signed_mm, const std::vector<double>& area,
-                    const std::vector<std::uint8_t>& seen) {
-    Distances result;
-    double sum = 0;
-    for (std::size_t v = 0; v < signed_mm.size(); ++v) {
-        if (!seen[v]) continue;
-        result.mean += area[v] * std::abs(signed_mm[v]);
-        result.max = std::max(result.max, std::abs(signed_mm[v]));
-        sum += area[v];
+void add_deformations(const Recovered& found, std::vector<RegionResult>& regions) {
+    const auto deformations =
+        region_deformations(found.recovery.model, found.law, found.displacement);
+    for (RegionResult& region : regions) {
+        if (region.hollow) continue;
+        region.jacobian_range = deformations[region.region].jacobian_range;
+        region.strain_energy_mj = deformations[region.region].strain_energy_mj;
     }
-    if (!(sum > 0)) return {not_known, not_known};
-    result.mean /= sum;
-    return result;
-}
-
-double share_of(const std::vector<double>& area, const std::vector<std::uint8_t>& seen) {
-    double sum = 0, all = 0;
-    for (std::size_t v = 0; v < area.size(); ++v) {
-        all += area[v];
-        if (seen[v]) sum += area[v];
-    }
-    return all > 0 ? sum / all : 0.0;
-}
-
-/// Distances of the vertices, and which of them the target shows once they have moved there.
-void measure_distances(const Recovered& found, std::size_t s, const TargetState& target,
-                       SurfaceResult& result) {
-    const ObservedSurface& observed = found.recovery.surfaces[s];
-    const std::size_t count = observed.node_of.size();
-    result.distance_before_mm.assign(count, not_known);
-    result.distance_after_mm.assign(count, not_known);
-    result.seen.assign(count, 0);
-    const TargetShape* shape = found.target[s].get();
-    const auto normals = vertex_normals(observed.surface);
-    for (std::size_t v = 0; shape && v < count; ++v) {
-        const Vec3& x = observed.surface.vertices[v];
-        const Vec3 u = found.displacement.segment<3>(3 * observed.node_of[v]);
-        const ShapeDistance after = shape->measure(x + u, normals[v]);
-        result.distance_before_mm[v] = shape->measure(x, normals[v]).mm;
-        result.distance_after_mm[v] = after.mm;
-        result.seen[v] = after.is_seen && in_field_of_view(target, x);
-    }
-    const auto area = vertex_areas(observed.surface);
-    const auto before = summarise(result.distance_before_mm, area, result.seen);
-    const auto after = summarise(result.distance_after_mm, area, result.seen);
-    result.seen_share = share_of(area, result.seen);
-    result.mean_distance_mm_before = before.mean;
-    result.max_distance_mm_before = before.max;
-    result.mean_distance_mm_after = after.mean;
-    result.max_distance_mm_after = after.max;
 }
 
 SurfaceResult surface_result(const Recovered& found, std::size_t s, const TargetState& target,
@@ -258,7 +214,6 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const Target
     for (const Index node : observed.node_of) {
         if (observed.driven) result.resultant_force_mn += found.force.segment<3>(3 * node);
     }
-    measure_distances(found, s, target, result);
     if (target.labels) {
         result.target =
             picture_surface(*found.target[s], observed.surface.vertices, picture_edge_mm,
@@ -267,6 +222,7 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const Target
         result.target_kind = target.shown[s].kind;
         result.target = target.shown[s].picture;
     }
+    measure_agreement(found, s, target, result);
     return result;
 }
 
@@ -343,6 +299,7 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
         result.tet_stiffness_kpa.push_back(found.recovery.model.materials[region].stiffness_kpa);
     }
     result.regions = region_results(found, settings);
+    add_deformations(found, result.regions);
     result.correlation = correlation_of(found.estimate.covariance);
     result.sensitivity = sensitivity_of(found.estimate.sensitivity);
     for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {

@@ -75,6 +75,16 @@ std::string ratio_cell(const RegionResult& r) {
     return r.ratio ? value + " (" + ratio_interval_text(*r.ratio) + ")" : value;
 }
 
+/// "−12 to +8 %".
+std::string volume_change_cell(const RegionResult& r) {
+    if (r.hollow) return "–";
+    const auto percent = [](double jacobian) {
+        const double change = 100 * (jacobian - 1);
+        return (change < 0 ? "−" : "+") + decimals(std::abs(change), 0);
+    };
+    return percent(r.jacobian_range[0]) + " to " + percent(r.jacobian_range[1]) + " %";
+}
+
 std::string before_after_cells(double before, double after, int digits) {
     return fmt::format("<td class='num from'>{}</td><td class='num'>{}</td>",
                        decimals_or_dash(before, digits), decimals_or_dash(after, digits));
@@ -180,17 +190,22 @@ std::string regions_table_html(const RecoveryResult& result) {
     std::string out =
         "<div class='scroll'><table><thead><tr><th>Region</th><th class='num'>Label"
         "</th><th>Role</th><th class='num'>E, kPa</th><th class='num'>95 % interval, "
-        "kPa</th><th class='num'>Poisson's ratio</th><th>Verdict</th></tr></thead>"
+        "kPa</th><th class='num'>Poisson's ratio</th><th class='num'>Volume change</th>"
+        "<th class='num'>Strain energy, mJ</th><th>Verdict</th></tr></thead>"
         "<tbody>";
     for (const RegionResult& r : result.regions)
         out += fmt::format(
             "<tr><td>{}{}</td><td class='num'>{}</td><td>{}</td><td class='num'>{}"
-            "</td><td class='num'>{}</td><td class='num'>{}</td><td>{}</td></tr>",
+            "</td><td class='num'>{}</td><td class='num'>{}</td><td class='num'>{}</td>"
+            "<td class='num'>{}</td><td>{}</td></tr>",
             swatch(result, r.region), escape_html(r.name), r.label,
             escape_html(r.role + (r.hollow ? ", hollow" : "")),
             r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_text(r) : "–",
-            ratio_cell(r), chip(r.verdict));
-    return out + "</tbody></table></div>";
+            ratio_cell(r), volume_change_cell(r), r.hollow ? "–" : significant(r.strain_energy_mj),
+            chip(r.verdict));
+    return out +
+           "</tbody></table></div><p class='caption'>Volume change: of the elements, smallest to "
+           "largest.</p>";
 }
 
 /// Size of the force with its 95 % interval along its own direction, N.
@@ -205,8 +220,10 @@ std::string surfaces_table_html(const RecoveryResult& result) {
     std::string out =
         "<div class='scroll'><table><thead><tr><th rowspan='2'>Surface</th>"
         "<th colspan='2' class='group'>Dice</th><th colspan='2' class='group'>Mean "
-        "distance, mm</th><th colspan='2' class='group'>Largest distance, mm</th>"
+        "distance, mm</th><th colspan='2' class='group'>95 % Hausdorff, mm</th>"
+        "<th colspan='2' class='group'>Largest distance, mm</th>"
         "<th rowspan='2' class='num'>Resultant force, N</th></tr><tr>"
+        "<th class='num from'>before</th><th class='num'>after</th>"
         "<th class='num from'>before</th><th class='num'>after</th>"
         "<th class='num from'>before</th><th class='num'>after</th>"
         "<th class='num from'>before</th><th class='num'>after</th></tr></thead>"
@@ -215,10 +232,11 @@ std::string surfaces_table_html(const RecoveryResult& result) {
     for (const SurfaceResult& s : result.surfaces) {
         any_cut = any_cut || s.cut_by_image;
         out += fmt::format(
-            "<tr><td>{}{}{}</td>{}{}{}<td class='num'>{}</td></tr>", swatch(result, s.region),
+            "<tr><td>{}{}{}</td>{}{}{}{}<td class='num'>{}</td></tr>", swatch(result, s.region),
             escape_html(s.name), s.cut_by_image ? " <sup>*</sup>" : "",
             before_after_cells(s.dice_before, s.dice_after, 3),
             before_after_cells(s.mean_distance_mm_before, s.mean_distance_mm_after, 2),
+            before_after_cells(s.hausdorff95_mm_before, s.hausdorff95_mm_after, 2),
             before_after_cells(s.max_distance_mm_before, s.max_distance_mm_after, 2),
             s.role == "driven" ? force_cell(s) : "–");
     }

@@ -42,7 +42,9 @@ Json region_json(const RegionResult& r) {
             {"poisson_ratio", of_solid(r.poisson_ratio)},
             {"searched_poisson_ratio", searched_ratio_json(r)},
             {"verdict", r.verdict},
-            {"reason", r.reason}};
+            {"reason", r.reason},
+            {"jacobian_range", {of_solid(r.jacobian_range[0]), of_solid(r.jacobian_range[1])}},
+            {"strain_energy_mj", of_solid(r.strain_energy_mj)}};
 }
 
 Json surface_json(const SurfaceResult& s) {
@@ -56,6 +58,8 @@ Json surface_json(const SurfaceResult& s) {
             {"mean_distance_mm_after", number(s.mean_distance_mm_after)},
             {"max_distance_mm_before", number(s.max_distance_mm_before)},
             {"max_distance_mm_after", number(s.max_distance_mm_after)},
+            {"hausdorff95_mm_before", number(s.hausdorff95_mm_before)},
+            {"hausdorff95_mm_after", number(s.hausdorff95_mm_after)},
             {"cut_by_image", s.cut_by_image},
             {"resultant_force_mn", vector3(s.resultant_force_mn)},
             {"resultant_sd_mn", vector3(s.resultant_sd_mn)}};

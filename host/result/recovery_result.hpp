@@ -44,6 +44,9 @@ struct RegionResult {
     std::string verdict;
     std::string reason;                               ///< one sentence in words
     std::optional<RatioResult> ratio = std::nullopt;  ///< if Poisson's ratio was unknown
+    // Of a region that is not hollow:
+    std::array<double, 2> jacobian_range{1, 1};  ///< of its elements' volumes, after over before
+    double strain_energy_mj = 0;
 };
 
 /// One combination of unknown moduli and how much the images say of it.
@@ -66,6 +69,7 @@ struct SurfaceResult {
     // Over the part that was seen; NaN if nothing was.
     double mean_distance_mm_before = 0, mean_distance_mm_after = 0;
     double max_distance_mm_before = 0, max_distance_mm_after = 0;
+    double hausdorff95_mm_before = 0, hausdorff95_mm_after = 0;  ///< `measure_agreement`
     bool cut_by_image = false;
     Vec3 resultant_force_mn = Vec3::Zero();  ///< sum of the reactions on a driven organ, mN, LPS
     /// Its standard deviation per component, mN, at the estimated moduli; zero if not computed.

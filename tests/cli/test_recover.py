@@ -9,6 +9,7 @@ import numpy
 import pytest
 
 from tests.conftest import recover_arguments, run_palpate
+from tests.vtu import read_arrays
 
 
 def recovered(phantom, out, *more):
@@ -39,7 +40,7 @@ def test_the_json_holds_what_programs_need(result):
     for key in ("name", "label", "role", "stiffness_kpa", "interval_kpa", "verdict"):
         assert key in prostate(report)
     for key in ("name", "dice_before", "dice_after", "mean_distance_mm_before",
-                "mean_distance_mm_after", "max_distance_mm_after"):
+                "mean_distance_mm_after", "max_distance_mm_after", "hausdorff95_mm_before"):
         assert key in report["surfaces"][0]
     assert report["termination"]["converged"] is True
     assert report["mesh"]["nodes"] > 1000 and report["mesh"]["elements"] > 4000
@@ -52,6 +53,19 @@ def test_the_surfaces_come_closer(result):
     for surface in report["surfaces"]:
         assert surface["mean_distance_mm_after"] < 0.3 * surface["mean_distance_mm_before"]
         assert surface["dice_after"] > surface["dice_before"]
+        assert surface["hausdorff95_mm_after"] < 0.5 * surface["hausdorff95_mm_before"]
+        assert surface["mean_distance_mm_before"] < surface["hausdorff95_mm_before"]
+
+
+def test_strain_energy_is_half_the_work_of_the_forces(result):
+    out, report = result
+    mesh = read_arrays(out / "mesh.vtu")
+    work_mj = 0.5 * (mesh["force"] * mesh["displacement"]).sum() / 1000
+    meshed = [region for region in report["regions"] if not region["hollow"]]
+    assert sum(r["strain_energy_mj"] for r in meshed) == pytest.approx(work_mj, rel=1e-3)
+    for region in meshed:
+        low, high = region["jacobian_range"]
+        assert 0 < low < 1 < high < 3
 
 
 def test_the_published_method_comes_close_without_an_interval(phantom, tmp_path):

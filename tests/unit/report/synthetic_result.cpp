@@ -132,6 +132,8 @@ SurfaceResult surface_result(const Organ& organ, RecoveryResult& result) {
         s.max_distance_mm_after =
             std::max(s.max_distance_mm_after, std::abs(s.distance_after_mm[v]));
     }
+    s.hausdorff95_mm_before = 0.9 * s.max_distance_mm_before;
+    s.hausdorff95_mm_after = 0.9 * s.max_distance_mm_after;
     return s;
 }
 
