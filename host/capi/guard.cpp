@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/capi/guard.hpp"
 
+#include <chrono>
 #include <memory>
 #include <mutex>
 
@@ -21,14 +22,45 @@ void require(const void* pointer, const char* what) {
     if (!pointer) throw Error(ErrorCode::invalid_argument, std::string(what) + " is null");
 }
 
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds pause_between_repeats{100};
+
+/// The callback of a caller: one call at a time, and after it has cancelled always the same answer.
+/// Reports without news repeat the stage, not too often.
+class Caller {
+public:
+    Caller(palpate_progress callback, void* user) : callback_(callback), user_(user) {}
+
+    void tell(const Progress& progress) {
+        const std::lock_guard lock(mutex_);
+        const bool is_news = !progress.stage.empty();
+        if (is_news) stage_ = progress.stage;
+        if (!has_cancelled_ && (is_news || Clock::now() - last_call_ > pause_between_repeats)) {
+            last_call_ = Clock::now();
+            has_cancelled_ = callback_(user_, stage_.c_str(), is_news ? progress.fraction : -1,
+                                       progress.message.c_str()) != 0;
+        }
+        if (has_cancelled_) throw Error(ErrorCode::cancelled, "cancelled while " + stage_);
+    }
+
+private:
+    palpate_progress callback_;
+    void* user_;
+    std::string stage_ = "starting";
+    Clock::time_point last_call_;
+    bool has_cancelled_ = false;
+    std::mutex mutex_;
+};
+
+}  // namespace
+
 ProgressSink progress_sink(palpate_progress callback, void* user) {
     if (!callback) return {};
-    auto one_at_a_time = std::make_shared<std::mutex>();
-    return [callback, user, one_at_a_time](const Progress& progress) {
-        const std::lock_guard lock(*one_at_a_time);
-        if (callback(user, progress.stage.c_str(), progress.fraction, progress.message.c_str()))
-            throw Error(ErrorCode::cancelled, "cancelled while " + progress.stage);
-    };
+    auto caller = std::make_shared<Caller>(callback, user);
+    return [caller](const Progress& progress) { caller->tell(progress); };
 }
 
 }  // namespace palpate::capi

@@ -61,7 +61,8 @@ Struct completed(const Struct* given, void (*init)(Struct*), const char* what) {
     return full;
 }
 
-/// A sink that calls back, and throws Error(cancelled) when the answer is not 0. Empty for null.
+/// A sink that calls back, and throws Error(cancelled) when the answer is not 0. Reports without
+/// news repeat the last stage, at most ten times a second. Empty for null.
 ProgressSink progress_sink(palpate_progress callback, void* user);
 
 }  // namespace palpate::capi

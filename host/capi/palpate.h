@@ -55,9 +55,10 @@ PALPATE_API const char* palpate_version(void);
 /* Grows when something is added, its thousands when something breaks. */
 PALPATE_API int palpate_abi_version(void);
 
-/* Called now and then during long work, on the thread that called palpate or on one of its own,
- * never on two at a time. `fraction` of the stage is 0 to 1, or negative if unknown. A value other
- * than 0 cancels: the call returns PALPATE_CANCELLED soon. */
+/* Called during long work, about every second or more often, on the thread that called palpate or
+ * on one of its own, never on two at a time. `fraction` of the stage is 0 to 1, or negative if
+ * unknown; calls without news repeat the stage with a negative fraction and an empty message. A
+ * value other than 0 cancels: the call returns PALPATE_CANCELLED soon. */
 typedef int (*palpate_progress)(void* user, const char* stage, double fraction,
                                 const char* message);
 

@@ -81,10 +81,10 @@ palpate_status recovered(const palpate_recover_options* options, palpate_result*
         const auto chosen =
             completed(options, palpate_recover_options_init, "the options of the recovery");
         const RecoverOptions inner = recover_options(chosen);
-        const auto [reference, target] = read();
+        const ProgressSink progress = capi::progress_sink(chosen.progress, chosen.progress_user);
+        const auto [reference, target] = read(progress);
         auto made = std::make_unique<palpate_result>();
-        made->result = recover(reference, target, inner,
-                               capi::progress_sink(chosen.progress, chosen.progress_user));
+        made->result = recover(reference, target, inner, progress);
         made->json = json_report(made->result);
         const bool converged = made->result.termination.converged;
         if (!converged) capi::last_error() = "the search did not converge";
@@ -110,7 +110,7 @@ void palpate_recover_options_init(palpate_recover_options* options) {
 
 palpate_status palpate_recover(const palpate_labels* reference, const palpate_labels* target,
                                const palpate_recover_options* options, palpate_result** result) {
-    return recovered(options, result, [&] {
+    return recovered(options, result, [&](const ProgressSink&) {
         return std::pair(
             segmentation_of(completed(reference, palpate_labels_init, "the reference")),
             segmentation_of(completed(target, palpate_labels_init, "the target")));
@@ -120,10 +120,11 @@ palpate_status palpate_recover(const palpate_labels* reference, const palpate_la
 palpate_status palpate_recover_files(const char* reference_path, const char* target_path,
                                      const palpate_recover_options* options,
                                      palpate_result** result) {
-    return recovered(options, result, [&] {
+    return recovered(options, result, [&](const ProgressSink& progress) {
         require(reference_path, "the path of the reference");
         require(target_path, "the path of the target");
-        return std::pair(read_segmentation(reference_path), read_segmentation(target_path));
+        return std::pair(read_segmentation(reference_path, progress),
+                         read_segmentation(target_path, progress));
     });
 }
 

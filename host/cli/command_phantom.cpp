@@ -7,6 +7,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/phantom/pelvis.hpp"
 #include "solver/base/error.hpp"
@@ -38,6 +39,7 @@ int run_pelvis(PhantomArguments arguments) {
     arguments.pelvis.num_nodes = arguments.mesher.nodes;
     arguments.pelvis.law = tissue_law_of(arguments.material);
     const auto progress = console_progress(arguments.quiet);
+    will_write(arguments.out);
     const PelvisPhantom phantom = make_pelvis(arguments.pelvis, solver_options(arguments.solver),
                                               mesher_options(arguments.mesher), progress);
     write_pelvis(phantom, arguments.pelvis, arguments.out);

@@ -7,6 +7,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/partial_target_options.hpp"
 #include "host/pipeline/recover.hpp"
@@ -78,11 +79,11 @@ RecoveryResult recovered(const RecoverArguments& arguments, const RecoverOptions
     if (has_shapes(arguments.partial)) {
         const PartialTarget target = partial_target(arguments.partial);
         report_progress(progress, "reading", 0, "reading the segmentation");
-        return recover(read_segmentation(arguments.reference), target, options, progress);
+        return recover(read_segmentation(arguments.reference, progress), target, options, progress);
     }
     report_progress(progress, "reading", 0, "reading both segmentations");
-    return recover(read_segmentation(arguments.reference),
-                   read_segmentation(arguments.targets.front()), options, progress);
+    return recover(read_segmentation(arguments.reference, progress),
+                   read_segmentation(arguments.targets.front(), progress), options, progress);
 }
 
 int recover_one(const RecoverArguments& arguments, const RecoverOptions& options,
@@ -100,9 +101,11 @@ int worse(int a, int b) {
     return a;
 }
 
-std::vector<Segmentation> read_targets(const RecoverArguments& arguments) {
+std::vector<Segmentation> read_targets(const RecoverArguments& arguments,
+                                       const ProgressSink& progress) {
     std::vector<Segmentation> targets;
-    for (const auto& target : arguments.targets) targets.push_back(read_segmentation(target));
+    for (const auto& target : arguments.targets)
+        targets.push_back(read_segmentation(target, progress));
     return targets;
 }
 
@@ -119,7 +122,8 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
     };
     report_progress(progress, "reading", 0, "reading the segmentations");
     recover_all(
-        read_segmentation(arguments.reference), read_targets(arguments), options,
+        read_segmentation(arguments.reference, progress), read_targets(arguments, progress),
+        options,
         [&](std::size_t k, const RecoveryResult& result, double seconds) {
             write(arguments, result, folder / names[k], progress);
             add(target_row(names[k], result, seconds), exit_code_for(result));
@@ -139,7 +143,9 @@ int run_recover(const RecoverArguments& arguments) {
     const bool several = arguments.targets.size() > 1;
     std::vector<std::string> names;
     if (several) {
-        names = target_folder_names({arguments.targets.begin(), arguments.targets.end()});
+        names = arguments.keep_file_names
+                    ? target_folder_names({arguments.targets.begin(), arguments.targets.end()})
+                    : numbered_folder_names(arguments.targets.size());
         check_targets_folder(arguments.out, names, arguments.overwrite);
     } else {
         check_result_folder(arguments.out, arguments.overwrite);
@@ -148,6 +154,8 @@ int run_recover(const RecoverArguments& arguments) {
         check_saved_reference_path(arguments.save_reduced, arguments.overwrite);
     }
     const RecoverOptions options = recover_options(arguments);
+    will_write(arguments.out);
+    will_write(arguments.save_reduced);
     const auto progress = console_progress(arguments.quiet);
     return several ? recover_several(arguments, options, names, progress)
                    : recover_one(arguments, options, progress);
@@ -221,7 +229,8 @@ void add_recover(CLI::App& app, Run& run) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command->add_flag("--keep-file-names", arguments->keep_file_names,
-                      "Write the names of the input files into the result");
+                      "Write the names of the input files into the result, and name the folders of "
+                      "several targets after them");
     command->add_flag("--quiet", arguments->quiet, "No progress");
     add_mesher_options(*command, arguments->mesher);
     add_reduced_options(*command, *arguments);

@@ -6,6 +6,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/report/result_folder.hpp"
 #include "host/simulation/simulation_findings.hpp"
 #include "host/simulation/simulation_folder.hpp"
@@ -21,6 +22,7 @@ struct SimulateArguments {
 
 int run_simulate(const SimulateArguments& arguments) {
     check_simulation_folder(arguments.out, arguments.overwrite);
+    will_write(arguments.out);
     const auto progress = console_progress(arguments.quiet);
     const SimulationResult result = run_simulation(read_simulation(arguments.model), progress);
     report_progress(progress, "writing", 0, "result folder");

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <atomic>
-#include <csignal>
 #include <memory>
 #include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/study/run_study.hpp"
 #include "host/study/studies.hpp"
@@ -27,17 +26,6 @@ struct StudyArguments {
     bool quiet = false;
 };
 
-std::atomic<bool> was_interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-/// The first Ctrl-C ends the study in good order, the second one the program.
-void stop_on_interrupt() {
-    std::signal(SIGINT, [](int) {
-        was_interrupted = true;
-        std::signal(SIGINT, SIG_DFL);
-    });
-}
-
 void print_summary(const Study& study, const StudyRun& run, const std::string& folder) {
     end_progress_line();
     if (!run.rows.empty()) fmt::print("{}", study.report(run.rows).text);
@@ -55,14 +43,15 @@ int run_one(const StudyEntry& entry, StudyArguments arguments) {
     options.mesher = mesher_options(arguments.mesher);
     options.solver = solver_options(arguments.solver);
     arguments.run.folder = arguments.out;
-    arguments.run.is_cancelled = [] { return was_interrupted.load(); };
-    stop_on_interrupt();
+    arguments.run.is_cancelled = is_interrupted;
+    will_write(arguments.run.folder);
+    will_write(arguments.run.folder / "pictures" / "any");
 
     const Study study = entry.make(options);
     const StudyRun run = run_study(study, arguments.run, console_progress(arguments.quiet));
     write_study_page(study, run, arguments.run.folder);
     print_summary(study, run, arguments.out);
-    if (run.is_cancelled) return 128 + SIGINT;
+    if (run.is_cancelled) return exit_code_of(ErrorCode::cancelled);
     return run.failures.empty() ? 0 : exit_code_not_converged;
 }
 

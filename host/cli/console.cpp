@@ -12,6 +12,8 @@
 #include <memory>
 #include <string>
 
+#include "host/cli/interrupt.hpp"
+
 namespace palpate {
 namespace {
 
@@ -71,12 +73,12 @@ void end_progress_line() {
 }
 
 ProgressSink console_progress(bool quiet) {
-    if (quiet) return {};
+    if (quiet) return interruptible({});
     auto console = std::make_shared<Console>();
     if (isatty(STDERR_FILENO)) {
-        return [console](const Progress& progress) { console->rewrite(progress); };
+        return interruptible([console](const Progress& progress) { console->rewrite(progress); });
     }
-    return [console](const Progress& progress) { console->append(progress); };
+    return interruptible([console](const Progress& progress) { console->append(progress); });
 }
 
 }  // namespace palpate

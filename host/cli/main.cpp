@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <functional>
 #include <new>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/pipeline/version.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/large_blocks.hpp"
@@ -13,6 +15,7 @@
 namespace {
 
 int fail(int code, const std::string& message) {
+    palpate::begin_to_end();
     palpate::end_progress_line();
     fmt::print(stderr, "palpate: {}\n", message);
     return code;
@@ -45,12 +48,16 @@ int parse_and_run(int argc, char** argv) {
     return run();
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    palpate::keep_large_blocks();
+/// What `work` throws, as a sentence and an exit code. Whatever breaks once a signal has come, a
+/// child that was ended by it for example, was stopped and did not fail.
+int guarded(const std::function<int()>& work) {
     try {
-        return parse_and_run(argc, argv);
+        try {
+            return work();
+        } catch (...) {
+            palpate::throw_if_interrupted();
+            throw;
+        }
     } catch (const palpate::Error& error) {
         return fail(exit_code_of(error.code()), error.what());
     } catch (const std::bad_alloc&) {
@@ -59,4 +66,12 @@ int main(int argc, char** argv) {
     } catch (const std::exception& error) {
         return fail(1, fmt::format("internal error: {}; please report it", error.what()));
     }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    palpate::keep_large_blocks();
+    palpate::catch_interrupts();
+    return guarded([&] { return parse_and_run(argc, argv); });
 }

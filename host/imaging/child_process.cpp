@@ -4,6 +4,9 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -53,7 +56,7 @@ void lower_limit(int resource, rlim_t value) {
     setrlimit(resource, &limit);
 }
 
-void apply(const ChildLimits& limits) {
+void apply(const ReadingLimits& limits) {
 #ifndef __SANITIZE_ADDRESS__  // its shadow memory counts as mapped
     lower_limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
 #endif
@@ -68,11 +71,16 @@ void silence() {
     dup2(null, STDERR_FILENO);
 }
 
-[[noreturn]] void be_child(const std::function<void()>& work, const ChildLimits& limits,
-                           Report& report) {
-    for (int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGTERM, SIGINT}) {
+[[noreturn]] void be_child(const std::function<void()>& work, const ReadingLimits& limits,
+                           Report& report, [[maybe_unused]] pid_t parent) {
+    for (int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU}) {
         std::signal(signal, SIG_DFL);
     }
+    for (int signal : {SIGTERM, SIGINT}) std::signal(signal, SIG_IGN);  // the parent decides
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(1);
+#endif
     silence();
     apply(limits);
     try {
@@ -91,8 +99,14 @@ void silence() {
     _exit(0);  // no destructors, no buffers of the parent
 }
 
-/// Status of the child as waitpid gives it; kills it when its time is over.
-int wait_for(pid_t child, int seconds) {
+void kill_and_reap(pid_t child) {
+    kill(child, SIGKILL);
+    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    }
+}
+
+/// Status of the child as waitpid gives it; kills it when its time is over or `tick` throws.
+int wait_for(pid_t child, int seconds, const std::function<void()>& tick) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
     int status = 0;
     for (auto pause = std::chrono::microseconds(200);;
@@ -101,6 +115,12 @@ int wait_for(pid_t child, int seconds) {
         if (ended == child) return status;
         if (ended < 0 && errno != EINTR) return -1;
         if (std::chrono::steady_clock::now() > end) kill(child, SIGKILL);
+        try {
+            if (tick) tick();
+        } catch (...) {
+            kill_and_reap(child);
+            throw;
+        }
         std::this_thread::sleep_for(pause);
     }
 }
@@ -127,13 +147,15 @@ SharedMemory::SharedMemory(std::size_t num_bytes)
 
 SharedMemory::~SharedMemory() { munmap(data_, num_bytes_); }
 
-void run_in_child(const std::function<void()>& work, const ChildLimits& limits) {
+void run_in_child(const std::function<void()>& work, const ReadingLimits& limits,
+                  const std::function<void()>& tick) {
     const SharedMemory memory(sizeof(Report));
     Report& report = *new (memory.data()) Report{};
+    const pid_t parent = getpid();
     const pid_t child = fork();
     if (child < 0) throw Error(ErrorCode::out_of_memory, "no process could be started");
-    if (child == 0) be_child(work, limits, report);
-    const int status = wait_for(child, 2 * limits.seconds);
+    if (child == 0) be_child(work, limits, report, parent);
+    const int status = wait_for(child, 2 * limits.seconds, tick);
     switch (report.state) {
         case Report::State::done:
             return;
@@ -145,6 +167,22 @@ void run_in_child(const std::function<void()>& work, const ChildLimits& limits) 
             break;
     }
     throw Error(ErrorCode::input_unreadable, cause_of(status));
+}
+
+void rehearse(const std::filesystem::path& path, const std::function<void()>& read) {
+    std::error_code failed;
+    const std::uintmax_t size = std::filesystem::file_size(path, failed);
+    ReadingLimits limits;  // compressed files grow, and readers hold several copies
+    if (!failed)
+        limits.memory_bytes += 64 * std::min<std::uintmax_t>(size, std::uintmax_t(1) << 33);
+    try {
+        run_in_child(read, limits);
+    } catch (const Error& error) {
+        const std::string what = error.what(), name = path.string();
+        if (error.code() != ErrorCode::input_unreadable || what.find(name) != std::string::npos)
+            throw;
+        throw Error(ErrorCode::input_unreadable, "cannot read '" + name + "': " + what);
+    }
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 
 namespace palpate {
@@ -21,7 +22,7 @@ private:
     std::size_t num_bytes_;
 };
 
-struct ChildLimits {
+struct ReadingLimits {
     std::size_t memory_bytes = std::size_t(1)
                                << 30;  ///< beyond what the process has mapped already
     int seconds = 60;                  ///< processor time, and twice that by the clock
@@ -30,7 +31,21 @@ struct ChildLimits {
 /// Runs `work` in a forked child, silenced and under limits, and waits for it: for code that may
 /// crash on damaged input. `work` leaves its result in SharedMemory.
 /// An Error thrown by `work` is thrown here again; any other exception, a signal or a limit becomes
-/// Error(input_unreadable) with what happened.
-void run_in_child(const std::function<void()>& work, const ChildLimits& limits = {});
+/// Error(input_unreadable) with what happened. `tick` is called often; if it throws, the child is
+/// killed first. The child dies with its parent and does not hear the signals that end it.
+void run_in_child(const std::function<void()>& work, const ReadingLimits& limits = {},
+                  const std::function<void()>& tick = {});
+
+/// Runs `read` in a child and throws away what it has read.
+void rehearse(const std::filesystem::path& path, const std::function<void()>& read);
+
+/// For readers of other projects that may crash on a damaged file: reads it in a child first, and
+/// in this process only if that came through. Returns what `read` returns.
+/// Throws what `read` throws; a crash becomes Error(input_unreadable) naming the file.
+template <typename Read>
+auto read_rehearsed(const std::filesystem::path& path, const Read& read) {
+    rehearse(path, [&] { read(); });
+    return read();
+}
 
 }  // namespace palpate

@@ -48,11 +48,16 @@ std::optional<std::string> why_unreadable(const std::filesystem::path& path) {
     return std::nullopt;
 }
 
+std::string unfinished_prefix() {
+    char host[65] = "";
+    if (gethostname(host, sizeof host - 1) != 0) host[0] = 0;
+    return ".unfinished-" + std::string(host) + "-" + std::to_string(getpid()) + "-";
+}
+
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path& temporary)>& write) {
     static std::atomic<int> counter{0};
-    const std::string prefix =
-        ".palpate-" + std::to_string(getpid()) + "-" + std::to_string(counter++) + "-";
+    const std::string prefix = unfinished_prefix() + std::to_string(counter++) + "-";
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     const std::filesystem::path temporary = folder / (prefix + path.filename().string());
     std::error_code error;
@@ -64,7 +69,8 @@ void write_atomically(const std::filesystem::path& path,
     } catch (const std::exception& failure) {
         std::filesystem::remove(temporary, error);
         if (const auto* ours = dynamic_cast<const Error*>(&failure);
-            ours && ours->code() == ErrorCode::unsupported) {
+            ours &&
+            (ours->code() == ErrorCode::unsupported || ours->code() == ErrorCode::cancelled)) {
             throw;
         }
         throw Error(ErrorCode::output_failed, "cannot write '" + path.string() +

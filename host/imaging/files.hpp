@@ -27,6 +27,10 @@ private:
 /// permission.
 std::optional<std::string> why_unreadable(const std::filesystem::path& path);
 
+/// How the names of unfinished files and folders of this process begin:
+/// ".unfinished-<host>-<process>-". Whoever ends the process early knows them by it.
+std::string unfinished_prefix();
+
 /// Lets `write` write a temporary file in the folder of `path` (same ending), makes it durable and
 /// gives it its final name: a reader never sees half a file.
 /// Throws Error(output_failed) naming the file; `write` may throw anything derived from

@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/imaging/label_image.hpp"
+#include "solver/base/log.hpp"
 
 namespace palpate {
 
@@ -15,8 +17,10 @@ namespace palpate {
 /// and time limits. Left-handed grids keep their direction (det = -1). Values must be whole
 /// numbers in 0..65535.
 /// Throws Error(input_unreadable) naming the file and what is wrong, Error(input_unusable) for a
-/// readable file that is not a 3D label volume.
-LabelImage read_label_image(const std::filesystem::path& path);
+/// readable file that is not a 3D label volume. `progress` is only asked whether to cancel.
+/// `warnings` receives sentences about what is odd but was accepted.
+LabelImage read_label_image(const std::filesystem::path& path, const ProgressSink& progress = {},
+                            std::vector<std::string>* warnings = nullptr);
 
 /// Writes .nii, .nii.gz, .nrrd or .mha (8 bits per voxel if the labels allow, else 16, compressed),
 /// all or nothing. Throws Error(output_failed), Error(unsupported) for another ending.

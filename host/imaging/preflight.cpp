@@ -81,7 +81,8 @@ std::vector<std::uint8_t> load(const std::filesystem::path& path) {
     return bytes;
 }
 
-CheckedVolume::File load_detached(const std::filesystem::path& folder, const std::string& name) {
+std::vector<std::uint8_t> load_detached(const std::filesystem::path& folder,
+                                        const std::string& name) {
     const std::filesystem::path relative(name);
     const bool leaves = relative.is_absolute() ||
                         std::find(relative.begin(), relative.end(), "..") != relative.end();
@@ -96,7 +97,7 @@ CheckedVolume::File load_detached(const std::filesystem::path& folder, const std
         unreadable("its header points to data outside its folder; put both files side by side");
     }
     try {
-        return {relative, load(file)};
+        return load(file);
     } catch (const Error& failure) {
         unreadable(std::string("of the data file that its header names: ") + failure.what());
     }
@@ -147,9 +148,14 @@ std::vector<double> finite_numbers(const std::string& text) {
     return numbers;
 }
 
-void check_data(std::span<const std::uint8_t> bytes, bool compressed, std::size_t needed) {
-    const std::size_t there =
-        compressed ? inflated(bytes, needed + max_trailing_bytes).size() : bytes.size();
+std::vector<std::uint8_t> checked_data(std::span<const std::uint8_t> bytes, bool compressed,
+                                       std::size_t needed) {
+    std::vector<std::uint8_t> content;
+    if (compressed) {
+        content = inflated(bytes, needed + max_trailing_bytes);
+        bytes = content;
+    }
+    const std::size_t there = bytes.size();
     if (there < needed) {
         unreadable("it holds " + std::to_string(there) + " bytes of voxels, its header announces " +
                    std::to_string(needed) + "; it was cut off");
@@ -157,6 +163,20 @@ void check_data(std::span<const std::uint8_t> bytes, bool compressed, std::size_
     if (there > needed + max_trailing_bytes) {
         unreadable("it holds more data than its header announces");
     }
+    if (compressed) {
+        content.resize(needed);
+        return content;
+    }
+    return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(needed)};
+}
+
+CheckedVolume::File joined(const char* name, const std::string& header,
+                           const std::vector<std::uint8_t>& voxels) {
+    CheckedVolume::File file{name, {}};
+    file.bytes.reserve(header.size() + voxels.size());
+    file.bytes.assign(header.begin(), header.end());
+    file.bytes.insert(file.bytes.end(), voxels.begin(), voxels.end());
+    return file;
 }
 
 }  // namespace detail

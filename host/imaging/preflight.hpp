@@ -15,18 +15,20 @@ namespace palpate {
 
 enum class VolumeFormat { nifti, nrrd, meta };
 
-/// A volume file that was checked byte by byte, ready for the decoder. The decoder gets these
-/// copies and not the original files: ITK would accept damaged ones and, beside A.nii, read that
-/// instead of A.nii.gz.
+/// A volume file that was checked byte by byte, ready for the decoder. The decoder gets this copy,
+/// uncompressed and with nothing in its header but what is needed, and not the original files: ITK
+/// would accept damaged ones, take zeros for compressed data without a stated size and, beside
+/// A.nii, read that instead of A.nii.gz. Nobody's name in a header goes further than here.
 struct CheckedVolume {
     struct File {
-        std::filesystem::path name;  ///< relative; the first file is the one to open
+        std::filesystem::path name;  ///< its ending tells the decoder the format
         std::vector<std::uint8_t> bytes;
     };
     VolumeFormat format = VolumeFormat::nifti;
     std::array<Index, 3> size{0, 0, 0};
     std::optional<ImageGrid> grid;  ///< if given, it holds and not the decoder's (NIfTI)
-    std::vector<File> files;
+    File file;
+    std::vector<std::string> warnings;  ///< sentences about what is odd but was accepted
 };
 
 /// Format by the ending of the name (.nii .nii.gz .nrrd .nhdr .mha .mhd, any case), if known.
@@ -51,8 +53,9 @@ CheckedVolume preflight_meta(std::vector<std::uint8_t> bytes, const std::filesys
                              bool detached);
 
 std::vector<std::uint8_t> load(const std::filesystem::path& path);
-/// A data file that a header names, which must lie in the header's folder.
-CheckedVolume::File load_detached(const std::filesystem::path& folder, const std::string& name);
+/// The content of a data file that a header names, which must lie in the header's folder.
+std::vector<std::uint8_t> load_detached(const std::filesystem::path& folder,
+                                        const std::string& name);
 [[noreturn]] void unreadable(const std::string& reason);
 [[noreturn]] void unusable(const std::string& reason);
 /// Checks the extents and returns their product.
@@ -61,8 +64,13 @@ std::size_t checked_num_voxels(const std::vector<long long>& sizes);
 std::vector<long long> whole_numbers(const std::string& text);
 std::vector<double> finite_numbers(const std::string& text);
 std::string trimmed(const std::string& text);
-/// Throws unless `bytes`, inflated first if `compressed`, hold `needed` bytes and little more.
-void check_data(std::span<const std::uint8_t> bytes, bool compressed, std::size_t needed);
+/// The `needed` bytes of voxels that `bytes` hold, inflated first if `compressed`. Throws unless
+/// there are that many and little more.
+std::vector<std::uint8_t> checked_data(std::span<const std::uint8_t> bytes, bool compressed,
+                                       std::size_t needed);
+/// A file of a header and the voxels behind it.
+CheckedVolume::File joined(const char* name, const std::string& header,
+                           const std::vector<std::uint8_t>& voxels);
 }  // namespace detail
 
 }  // namespace palpate

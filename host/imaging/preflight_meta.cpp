@@ -85,6 +85,19 @@ void check_fields(const Fields& fields) {
     }
 }
 
+/// What says where the voxels lie and how they are stored, and nothing else.
+std::string clean_header(const Fields& fields) {
+    std::string header = "ObjectType = Image\nBinaryData = True\nCompressedData = False\n";
+    for (const char* name :
+         {"NDims", "BinaryDataByteOrderMSB", "ElementByteOrderMSB", "TransformMatrix", "Rotation",
+          "Orientation", "Offset", "Position", "Origin", "CenterOfRotation", "ElementSpacing",
+          "ElementSize", "DimSize", "ElementType"}) {
+        const std::string value = optional(fields, name);
+        if (!value.empty()) header += std::string(name) + " = " + value + "\n";
+    }
+    return header + "ElementDataFile = LOCAL\n";
+}
+
 }  // namespace
 
 CheckedVolume preflight_meta(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
@@ -104,19 +117,19 @@ CheckedVolume preflight_meta(std::vector<std::uint8_t> bytes, const std::filesys
     volume.size = {Index(sizes[0]), Index(sizes[1]), Index(sizes[2])};
     const bool compressed = is_true(optional(fields, "CompressedData"));
     const std::string data_name = optional(fields, "ElementDataFile");
-    if (data_name == "LOCAL" || data_name == "Local" || data_name == "local") {
-        check_data(std::span(bytes).subspan(end), compressed, needed);
-        volume.files.push_back({"volume.mha", std::move(bytes)});
+    const auto take = [&](std::span<const std::uint8_t> data) {
+        volume.file =
+            joined("volume.mha", clean_header(fields), checked_data(data, compressed, needed));
         return volume;
+    };
+    if (data_name == "LOCAL" || data_name == "Local" || data_name == "local") {
+        return take(std::span(bytes).subspan(end));
     }
     if (!detached) unreadable("its header names another file; such a header is called .mhd");
     if (data_name.rfind("LIST", 0) == 0 || data_name.find('%') != std::string::npos) {
         unreadable("its voxels are spread over several files; save it as one");
     }
-    volume.files.push_back({"palpate-header.mhd", std::move(bytes)});
-    volume.files.push_back(load_detached(folder, data_name));
-    check_data(volume.files.back().bytes, compressed, needed);
-    return volume;
+    return take(load_detached(folder, data_name));
 }
 
 }  // namespace palpate::detail

@@ -5,7 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iomanip>
 #include <map>
+#include <sstream>
 
 #include "host/imaging/grid_check.hpp"
 #include "host/imaging/gzip.hpp"
@@ -120,17 +122,17 @@ void check_unit(const Header& header) {
     }
 }
 
-/// Voxel index to RAS mm: sform where its code is set (as ITK), else qform.
-Eigen::Matrix<double, 3, 4> affine_of(const Header& header) {
-    Eigen::Matrix<double, 3, 4> affine;
-    if (header.sform_code() > 0) {
-        for (int r = 0; r < 3; ++r)
-            for (int c = 0; c < 4; ++c) affine(r, c) = header.srow(r, c);
-        return affine;
-    }
-    if (header.qform_code() <= 0) {
-        unusable("it does not say where its voxels lie (neither sform nor qform is set)");
-    }
+using Affine = Eigen::Matrix<double, 3, 4>;
+
+Affine sform_of(const Header& header) {
+    Affine affine;
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c) affine(r, c) = header.srow(r, c);
+    return affine;
+}
+
+Affine qform_of(const Header& header) {
+    Affine affine;
     const Vec3 v(header.quatern(0), header.quatern(1), header.quatern(2));
     if (v.squaredNorm() > 1 + 1e-4) unreadable("its header is damaged (orientation)");
     const Eigen::Quaterniond q(std::sqrt(std::max(0.0, 1 - v.squaredNorm())), v[0], v[1], v[2]);
@@ -141,8 +143,37 @@ Eigen::Matrix<double, 3, 4> affine_of(const Header& header) {
     return affine;
 }
 
+/// Voxel index to RAS mm: sform where its code is set (as ITK), else qform.
+Affine affine_of(const Header& header) {
+    if (header.sform_code() > 0) return sform_of(header);
+    if (header.qform_code() <= 0) {
+        unusable("it does not say where its voxels lie (neither sform nor qform is set)");
+    }
+    return qform_of(header);
+}
+
+/// A sentence if both forms are set and place a corner of the volume differently.
+void compare_forms(const Header& header, const ImageGrid& grid,
+                   std::vector<std::string>& warnings) {
+    if (header.sform_code() <= 0 || header.qform_code() <= 0) return;
+    const double tolerance_mm = 0.01 * grid.spacing.minCoeff();
+    const Affine change = sform_of(header) - qform_of(header);
+    double most_mm = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Eigen::Vector4d index(0, 0, 0, 1);
+        for (int a = 0; a < 3; ++a)
+            if (corner >> a & 1) index[a] = grid.size[a] - 1;
+        most_mm = std::max(most_mm, (change * index).norm());
+    }
+    if (most_mm <= tolerance_mm) return;
+    std::ostringstream text;
+    text << "Its sform and qform place it up to " << std::setprecision(3) << most_mm
+         << " mm apart; the sform was used.";
+    warnings.push_back(text.str());
+}
+
 ImageGrid grid_of(const Header& header, const std::array<Index, 3>& size) {
-    Eigen::Matrix<double, 3, 4> affine = affine_of(header);
+    Affine affine = affine_of(header);
     affine.topRows<2>() *= -1;  // RAS to LPS
     ImageGrid grid;
     grid.size = size;
@@ -208,16 +239,15 @@ CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes) {
     }
     check_unit(header);
     volume.grid = grid_of(header, volume.size);
+    compare_forms(header, *volume.grid, volume.warnings);
     const std::size_t start = static_cast<std::size_t>(offset);
     if (compressed) bytes = inflated(bytes, start + data_bytes + max_trailing_bytes);
     if (bytes.size() < start) unreadable("it ends before its voxels begin; it was cut off");
-    check_data(std::span(bytes).subspan(start), false, data_bytes);
-    const auto data = std::span(bytes).subspan(start, data_bytes);
+    const auto data = checked_data(std::span(bytes).subspan(start), false, data_bytes);
     if (header.datatype() == 16) check_finite<float>(data, header.swapped());
     if (header.datatype() == 64) check_finite<double>(data, header.swapped());
-    std::vector<std::uint8_t> clean = clean_header(header, volume.size);
-    clean.insert(clean.end(), data.begin(), data.end());
-    volume.files.push_back({"volume.nii", std::move(clean)});
+    const std::vector<std::uint8_t> clean = clean_header(header, volume.size);
+    volume.file = joined("volume.nii", std::string(clean.begin(), clean.end()), data);
     return volume;
 }
 

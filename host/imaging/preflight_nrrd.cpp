@@ -29,10 +29,9 @@ Fields fields_of(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
         }
         const std::size_t colon = line.find(": ");
         if (line[0] != '#' && colon != std::string::npos && line.find(":=") > colon) {
-            const bool is_new =
-                fields.emplace(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 2)))
-                    .second;
-            if (!is_new) unreadable("its header has a field twice: " + line.substr(0, 40));
+            const std::string name = trimmed(line.substr(0, colon));
+            if (!fields.emplace(name, trimmed(line.substr(colon + 2))).second)
+                unreadable("its header has a field twice: " + name.substr(0, 40));
         }
         begin = line_end;
     }
@@ -110,6 +109,19 @@ void check_space(const Fields& fields) {
     }
 }
 
+/// What says where the voxels lie and how they are stored, and nothing else.
+std::string clean_header(const Fields& fields) {
+    std::string header = "NRRD0004\n";
+    for (const char* name :
+         {"type", "dimension", "space", "space dimension", "sizes", "space directions", "spacings",
+          "axis mins", "axismins", "axis maxs", "axismaxs", "centers", "centerings", "kinds",
+          "endian", "space origin"}) {
+        const std::string value = optional(fields, name);
+        if (!value.empty()) header += std::string(name) + ": " + value + "\n";
+    }
+    return header + "encoding: raw\n\n";
+}
+
 }  // namespace
 
 CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
@@ -131,20 +143,20 @@ CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesys
     if (!compressed && encoding != "raw") {
         unreadable("its encoding is '" + encoding + "'; save it as raw or gzip");
     }
+    const auto take = [&](std::span<const std::uint8_t> data) {
+        volume.file =
+            joined("volume.nrrd", clean_header(fields), checked_data(data, compressed, needed));
+        return volume;
+    };
     const std::string data_name = optional(fields, "data file", "datafile");
     if (data_name.empty()) {
         if (detached) unreadable("its header names no data file");
-        check_data(std::span(bytes).subspan(end), compressed, needed);
-        volume.files.push_back({"volume.nrrd", std::move(bytes)});
-        return volume;
+        return take(std::span(bytes).subspan(end));
     }
     if (data_name.rfind("LIST", 0) == 0 || data_name.find('%') != std::string::npos) {
         unreadable("its voxels are spread over several files; save it as one");
     }
-    volume.files.push_back({"palpate-header.nhdr", std::move(bytes)});
-    volume.files.push_back(load_detached(folder, data_name));
-    check_data(volume.files.back().bytes, compressed, needed);
-    return volume;
+    return take(load_detached(folder, data_name));
 }
 
 }  // namespace palpate::detail

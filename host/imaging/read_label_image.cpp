@@ -116,18 +116,13 @@ void decode(const std::filesystem::path& file, const CheckedVolume& checked, Geo
     convert(decoder->GetComponentType(), raw.data(), count, labels);
 }
 
-void write_files(const CheckedVolume& checked, const std::filesystem::path& folder) {
-    for (const CheckedVolume::File& file : checked.files) {
-        const std::filesystem::path path = folder / file.name;
-        std::error_code error;
-        std::filesystem::create_directories(path.parent_path(), error);
-        std::ofstream out(path, std::ios::binary);
-        out.write(reinterpret_cast<const char*>(file.bytes.data()),
-                  static_cast<std::streamsize>(file.bytes.size()));
-        if (!out.flush()) {
-            throw Error(ErrorCode::output_failed,
-                        "the temporary folder has no space for a copy; set TMPDIR to another one");
-        }
+void write_file(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+    std::ofstream out(path, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+    if (!out.flush()) {
+        throw Error(ErrorCode::output_failed,
+                    "the temporary folder has no space for a copy; set TMPDIR to another one");
     }
 }
 
@@ -140,20 +135,21 @@ ImageGrid grid_from(const Geometry& geometry, const std::array<Index, 3>& size) 
     return checked_grid(grid);
 }
 
-LabelImage decode_in_child(CheckedVolume checked) {
+LabelImage decode_in_child(CheckedVolume checked, const ProgressSink& progress) {
     const PrivateFolder folder;
-    write_files(checked, folder.path());
-    const std::filesystem::path file = folder.path() / checked.files.front().name;
-    checked.files.clear();
+    const std::filesystem::path file = folder.path() / checked.file.name;
+    write_file(file, checked.file.bytes);
+    checked.file.bytes = {};
     const std::size_t count =
         std::size_t(checked.size[0]) * std::size_t(checked.size[1]) * std::size_t(checked.size[2]);
     const SharedMemory memory(sizeof(Geometry) + count * sizeof(Label));
     auto& geometry = *reinterpret_cast<Geometry*>(memory.data());
     auto* labels = reinterpret_cast<Label*>(memory.data() + sizeof(Geometry));
-    ChildLimits limits;
+    ReadingLimits limits;
     limits.memory_bytes = (std::size_t(256) << 20) + 32 * count;  // decoder, its copy, conversion
     limits.seconds = 60 + static_cast<int>(count >> 22);
-    run_in_child([&] { decode(file, checked, geometry, labels); }, limits);
+    run_in_child([&] { decode(file, checked, geometry, labels); }, limits,
+                 [&] { check_cancelled(progress); });
     LabelImage image;
     image.grid = checked.grid ? *checked.grid : grid_from(geometry, checked.size);
     image.voxels.assign(labels, labels + count);
@@ -162,11 +158,15 @@ LabelImage decode_in_child(CheckedVolume checked) {
 
 }  // namespace
 
-LabelImage read_label_image(const std::filesystem::path& path) {
+LabelImage read_label_image(const std::filesystem::path& path, const ProgressSink& progress,
+                            std::vector<std::string>* warnings) {
     CheckedVolume checked = preflight(path);
+    if (warnings) *warnings = checked.warnings;
+    check_cancelled(progress);
     try {
-        return decode_in_child(std::move(checked));
+        return decode_in_child(std::move(checked), progress);
     } catch (const Error& error) {
+        if (error.code() == ErrorCode::cancelled) throw;
         throw Error(error.code(), "cannot use '" + path.string() + "': " + error.what());
     }
 }

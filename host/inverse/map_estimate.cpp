@@ -133,6 +133,7 @@ std::vector<LinearRow> Search::rows_of(const State& state) const {
 }
 
 LinearisedProblem Search::linearise(const State& state) const {
+    check_cancelled(progress_);
     return LinearisedProblem(model_, walls_, rows_of(state), state.driven, state.observed, priors_);
 }
 
@@ -160,6 +161,7 @@ State Search::search_line(const State& from, const Eigen::VectorXd& driven,
     double lowest = from.objective;
     length = 0;
     const auto offer = [&](double t) {
+        check_cancelled(progress_);
         State trial = state_at(from.driven + t * (driven - from.driven),
                                from.theta + t * (theta - from.theta), from.seen.seen);
         const double value = trial.objective + t * 0.5 * determinant_change;
@@ -280,9 +282,11 @@ MapEstimate Search::iterate(State state, bool is_scanned) {
     int quiet_steps = 0, stalls = 0;
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const LinearisedProblem problem = linearise(state);
+        check_cancelled(progress_);
         const Eigen::VectorXd start =
             k == 1 && is_scanned ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
         if (k == 1) state = recounted(state_at(state.driven, start, state.seen.seen));
+        check_cancelled(progress_);
         const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
         hessian = best.hessian;
         const double moved = largest(best.fit.driven - state.driven);
@@ -342,17 +346,19 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.objective =
         state.objective + 0.5 * (problem.evaluate(state.theta, false).log_determinant -
                                  problem.noise_log_determinant());
-    take_uncertainty(problem, options_, estimate);
+    take_uncertainty(problem, options_, estimate, progress_);
     return estimate;
 }
 
 }  // namespace
 
 void take_uncertainty(const LinearisedProblem& problem, const MapOptions& options,
-                      MapEstimate& estimate) {
+                      MapEstimate& estimate, const ProgressSink& progress) {
     const Eigen::VectorXd& theta = estimate.theta;
     const ModulusBounds bounds = all_bounds(options, problem.num_unknown());
+    check_cancelled(progress);
     estimate.covariance = laplace_covariance(problem, theta);
+    check_cancelled(progress);
     const Eigen::MatrixXd information = problem.seen_information(theta);
     estimate.seen_sd_ln = seen_sd_ln(information, problem.priors());
     estimate.sensitivity = scaled_sensitivity(information, problem.priors());
@@ -360,9 +366,11 @@ void take_uncertainty(const LinearisedProblem& problem, const MapOptions& option
     estimate.interval_kpa.clear();
     estimate.excluded_ends.clear();
     for (Index k = 0; k < problem.num_unknown(); ++k) {
+        check_cancelled(progress);
         estimate.profiles.push_back(profile_of(problem, theta, estimate.covariance, k));
         estimate.interval_kpa.push_back(
             profile_interval(estimate.profiles.back(), std::exp(theta[k])));
+        check_cancelled(progress);
         estimate.excluded_ends.push_back(
             excluded_ends(problem, theta, estimate.covariance, k, bounds));
     }

@@ -102,8 +102,9 @@ Eigen::MatrixXd ResponseModel::significant_root(const Eigen::MatrixXd& covarianc
 class ResponseBuilder {
 public:
     ResponseBuilder(const ReducedModel& model, const WallPrior& prior,
-                    const std::vector<Index>& unknown, const ResponseOptions& options)
-        : model_(model), prior_(prior), unknown_(unknown), options_(options) {
+                    const std::vector<Index>& unknown, const ResponseOptions& options,
+                    const ProgressSink& progress)
+        : model_(model), prior_(prior), unknown_(unknown), options_(options), progress_(progress) {
         parts_.stiffness_kpa = model.stiffness_kpa();
         parts_.point = model.point();
     }
@@ -131,6 +132,7 @@ public:
             if (region.driven.empty()) {
                 couplings_.emplace_back();
             } else {
+                check_cancelled(progress_);
                 couplings_.push_back(model_.unit_coupling_times(region, parts_.spread));
             }
         }
@@ -166,6 +168,7 @@ private:
     }
 
     Eigen::LLT<Eigen::MatrixXd> equilibrium_at(const Moduli& kpa) const {
+        check_cancelled(progress_);
         return cholesky(model_.stiffness(kpa), "stiffness of the observed nodes");
     }
 
@@ -190,7 +193,9 @@ private:
             more << stacked, part;
             stacked = std::move(more);
         }
+        check_cancelled(progress_);
         const Eigen::MatrixXd spread = prior_.covariance_times(stacked.transpose());
+        check_cancelled(progress_);
         const ColumnSelection kept = select_columns(stacked * spread, 0.1 * tolerance());
         parts_.functionals = kept.rows_of(stacked);
         parts_.spread = kept.columns_of(spread);
@@ -204,11 +209,16 @@ private:
         const Index most = std::min(model_.driven_dofs(), model_.observed_dofs());
         Eigen::MatrixXd basis;
         for (Index count = std::min<Index>(most, 480);; count = std::min<Index>(most, 2 * count)) {
-            const Eigen::MatrixXd responses =
-                equilibrium.solve(model_.coupling_times(kpa, prior_.samples(count, options_.seed)));
+            check_cancelled(progress_);
+            const Eigen::MatrixXd forces =
+                model_.coupling_times(kpa, prior_.samples(count, options_.seed));
+            check_cancelled(progress_);
+            const Eigen::MatrixXd responses = equilibrium.solve(forces);
+            check_cancelled(progress_);
             basis = orthonormal_columns(responses, 0.5 * tolerance() * std::sqrt(count));
             if (basis.cols() < count - 16 || count == most) break;
         }
+        check_cancelled(progress_);
         return model_.transposed_coupling_times(kpa, equilibrium.solve(basis)).transpose();
     }
 
@@ -224,11 +234,14 @@ private:
             force.leftCols(functionals) += kpa[model_.regions()[r].region] * couplings_[r];
         }
         if (!is_rest) force.col(functionals) = model_.imbalance(kpa);
-        return equilibrium_at(kpa).solve(force);
+        const auto equilibrium = equilibrium_at(kpa);
+        check_cancelled(progress_);
+        return equilibrium.solve(force);
     }
 
     void add_modes_at(const Moduli& kpa) {
         const Eigen::MatrixXd responses = responses_at(kpa);
+        check_cancelled(progress_);
         if (parts_.influence.size() == 0) {
             const auto moved = responses.leftCols(parts_.functionals.rows());
             const double floor = 1e-6 * moved.norm();
@@ -250,6 +263,7 @@ private:
         parts_.regions.clear();
         const Eigen::MatrixXd& modes = parts_.modes;
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
+            check_cancelled(progress_);
             const auto& region = model_.regions()[r];
             const Eigen::MatrixXd stiffness =
                 modes.transpose() * model_.unit_stiffness_times(region, modes);
@@ -295,20 +309,22 @@ private:
     const WallPrior& prior_;
     const std::vector<Index>& unknown_;
     const ResponseOptions& options_;
+    const ProgressSink& progress_;
     ResponseModel result_;
     ResponseModel::Parts& parts_ = result_.parts_;
     std::vector<Eigen::MatrixXd> couplings_;  ///< S_r,od Q^-1 N^T per region
 };
 
 ResponseModel ResponseModel::exact(const ReducedModel& model, const WallPrior& prior) {
-    return ResponseBuilder(model, prior, {}, {}).exact();
+    return ResponseBuilder(model, prior, {}, {}, {}).exact();
 }
 
 ResponseModel ResponseModel::compressed(const ReducedModel& model, const WallPrior& prior,
                                         const std::vector<Index>& unknown,
-                                        const ResponseOptions& options) {
+                                        const ResponseOptions& options,
+                                        const ProgressSink& progress) {
     if (model.observed_dofs() == 0 || model.driven_dofs() == 0) return exact(model, prior);
-    return ResponseBuilder(model, prior, unknown, options).compressed();
+    return ResponseBuilder(model, prior, unknown, options, progress).compressed();
 }
 
 }  // namespace palpate

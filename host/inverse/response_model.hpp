@@ -7,6 +7,7 @@
 
 #include "host/inverse/reduced_model.hpp"
 #include "host/inverse/wall_prior.hpp"
+#include "solver/base/log.hpp"
 
 namespace palpate {
 
@@ -55,10 +56,11 @@ public:
     explicit ResponseModel(Parts parts);
     /// Nothing left out: every observed degree of freedom is a mode, every driven one a functional.
     static ResponseModel exact(const ReducedModel& model, const WallPrior& prior);
-    /// `unknown`: regions whose moduli will change.
+    /// `unknown`: regions whose moduli will change. `progress` is only asked whether to cancel.
     static ResponseModel compressed(const ReducedModel& model, const WallPrior& prior,
                                     const std::vector<Index>& unknown,
-                                    const ResponseOptions& options);
+                                    const ResponseOptions& options,
+                                    const ProgressSink& progress = {});
 
     /// The same modes and functionals about the point of `model`, which has moved a little
     /// (`ReducedModel::move_to`) since this was made from it.

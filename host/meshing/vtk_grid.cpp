@@ -14,6 +14,7 @@
 #include <exception>
 #include <type_traits>
 
+#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
@@ -55,8 +56,10 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
 vtkSmartPointer<vtkUnstructuredGrid> read_vtk_grid(const fs::path& path) {
     if (const auto why = why_unreadable(path)) unreadable(path, *why);
     const std::string extension = path.extension().string();
-    if (extension == ".vtu") return run_reader<vtkXMLUnstructuredGridReader>(path);
-    if (extension == ".vtk") return run_reader<vtkUnstructuredGridReader>(path);
+    if (extension == ".vtu")
+        return read_rehearsed(path, [&] { return run_reader<vtkXMLUnstructuredGridReader>(path); });
+    if (extension == ".vtk")
+        return read_rehearsed(path, [&] { return run_reader<vtkUnstructuredGridReader>(path); });
     unreadable(path, "its name must end in .vtu or .vtk");
 }
 

@@ -100,4 +100,28 @@ std::vector<Index> hollow_regions(const Settings& settings) {
     return hollow;
 }
 
+std::vector<std::string> thin_organs(const RegionImage& regions, const Settings& settings) {
+    const auto& size = regions.grid.size;
+    std::vector<std::uint8_t> has_inside(256, 0);
+    for (Index k = 1; k + 1 < size[2]; ++k)
+        for (Index j = 1; j + 1 < size[1]; ++j)
+            for (Index i = 1; i + 1 < size[0]; ++i) {
+                const auto here = regions.at(i, j, k);
+                if (here < first_organ_region || has_inside[here]) continue;
+                has_inside[here] =
+                    regions.at(i - 1, j, k) == here && regions.at(i + 1, j, k) == here &&
+                    regions.at(i, j - 1, k) == here && regions.at(i, j + 1, k) == here &&
+                    regions.at(i, j, k - 1) == here && regions.at(i, j, k + 1) == here;
+            }
+    std::vector<std::string> sentences;
+    for (std::size_t k = 0; k < settings.organs.size(); ++k) {
+        if (has_inside[first_organ_region + k]) continue;
+        sentences.push_back(fmt::format(
+            "{} is nowhere three voxels thick, so its shape rests on few voxels; segment it on a "
+            "finer grid before its values are used.",
+            settings.organs[k].name));
+    }
+    return sentences;
+}
+
 }  // namespace palpate

@@ -31,4 +31,8 @@ Mesh with_region_numbers(const Mesh& labelled, const Settings& settings,
 /// Regions without tetrahedra: hollow organs.
 std::vector<Index> hollow_regions(const Settings& settings);
 
+/// A sentence for each organ that is nowhere three voxels thick: no voxel of it has six neighbours
+/// of its own.
+std::vector<std::string> thin_organs(const RegionImage& regions, const Settings& settings);
+
 }  // namespace palpate

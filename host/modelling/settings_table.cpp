@@ -23,6 +23,7 @@ struct SettingsTable::Node {
 namespace {
 
 constexpr std::size_t longest_shown_value = 60;
+constexpr std::size_t most_dots_in_a_key = 32;
 
 std::string shown(const toml::node& value) {
     std::ostringstream out;
@@ -67,9 +68,53 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
+/// Where a string or comment that begins at `at` ends; `at` itself if none begins there.
+std::size_t end_of_opaque(std::string_view text, std::size_t at) {
+    const auto after = [&](std::size_t found, std::size_t length) {
+        return found == std::string_view::npos ? text.size() : found + length;
+    };
+    const char c = text[at];
+    if (c == '#') return after(text.find('\n', at), 0);
+    if (c != '"' && c != '\'') return at;
+    const bool is_long = at + 2 < text.size() && text[at + 1] == c && text[at + 2] == c;
+    for (std::size_t k = at + (is_long ? 3 : 1); k < text.size(); ++k) {
+        if (c == '"' && text[k] == '\\') {
+            ++k;
+        } else if (!is_long && (text[k] == c || text[k] == '\n')) {
+            return k + 1;
+        } else if (is_long && text.substr(k, 3) == text.substr(at, 3)) {
+            k += 3;
+            for (int more = 0; more < 2 && k < text.size() && text[k] == c; ++more) ++k;
+            return k;
+        }
+    }
+    return text.size();
+}
+
+/// The most dots in one key. The parser makes a table inside a table for each, without limit, and
+/// taking them down again then overflows the stack.
+std::size_t deepest_key(std::string_view text) {
+    std::size_t dots = 0, most = 0;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = end_of_opaque(text, at);
+        if (end > at) {
+            at = end;
+            continue;
+        }
+        const char c = text[at++];
+        if (c == '.') most = std::max(most, ++dots);
+        if (std::string_view("=,{}[]\n").find(c) != std::string_view::npos) dots = 0;
+    }
+    return most;
+}
+
 }  // namespace
 
 SettingsTable SettingsTable::parse(const std::string& toml, const std::string& source_name) {
+    if (deepest_key(toml) > most_dots_in_a_key)
+        throw Error(ErrorCode::input_unreadable,
+                    fmt::format("{}: a key has more than {} parts; no setting needs more than two",
+                                source_name, most_dots_in_a_key));
     try {
         auto document = std::make_shared<const toml::table>(toml::parse(toml));
         SettingsTable result;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
 #include "host/phantom/pelvis.hpp"
 #include "solver/base/error.hpp"
@@ -172,8 +173,7 @@ void write_files(const PelvisPhantom& phantom, const PelvisOptions& options,
 class TemporaryFolder {
 public:
     explicit TemporaryFolder(const fs::path& folder)
-        : path_(folder.parent_path() /
-                fmt::format(".{}.tmp-{}", folder.filename().string(), ::getpid())) {
+        : path_(folder.parent_path() / (unfinished_prefix() + "phantom")) {
         fs::create_directories(folder.parent_path());
         fs::create_directory(path_);
     }

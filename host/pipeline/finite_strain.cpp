@@ -179,7 +179,8 @@ ResponseModel Rounds::respond(double tolerance_mm) {
     response.tolerance_mm = tolerance_mm;
     for (response.reach = reach_;; response.reach = reach_ = std::sqrt(reach_)) {
         try {
-            return ResponseModel::compressed(*reduced_, rest_.walls, unknown(), response);
+            return ResponseModel::compressed(*reduced_, rest_.walls, unknown(), response,
+                                             progress_);
         } catch (const Error& error) {
             if (error.code() != ErrorCode::solve_failed || reach_ < narrowest_reach) throw;
         }
@@ -231,7 +232,7 @@ void Rounds::judge() {
         estimate.noise->linear_rows(observations_.evaluate(estimate.driven, estimate.observed)),
         estimate.driven, estimate.observed, rest_.priors);
     MapEstimate far = estimate;
-    take_uncertainty(problem, options_.search, far);
+    take_uncertainty(problem, options_.search, far, progress_);
     estimate.excluded_ends = far.excluded_ends;
     for (Index k = 0; k < estimate.theta.size(); ++k) {
         if (profile_half_width(estimate.covariance, k) <= std::log(reach_)) continue;

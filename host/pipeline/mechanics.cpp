@@ -47,7 +47,8 @@ Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
     auto priors = modulus_priors(recovery, reduced, prior);
     std::vector<Index> unknown;
     for (const auto& modulus : priors) unknown.push_back(modulus.region);
-    ResponseModel response = ResponseModel::compressed(reduced, walls, unknown, options.response);
+    ResponseModel response =
+        ResponseModel::compressed(reduced, walls, unknown, options.response, progress);
     report_progress(
         progress, "compressing", 1,
         fmt::format("{} wall motions, {} surface modes, {:.2g} mm left out",

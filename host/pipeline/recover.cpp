@@ -17,6 +17,11 @@
 namespace palpate {
 namespace {
 
+void add_warnings(const char* which, const LabelledState& state, RecoveryResult& result) {
+    for (const std::string& warning : state.warnings)
+        result.warnings.push_back(fmt::format("{}: {}", which, warning));
+}
+
 RecoveryResult recover_target(const PreparedReference& prepared, const TargetState& target,
                               std::future<TargetShapes> shapes, const RecoverOptions& options,
                               StageTimer timer, const ProgressSink& progress) {
@@ -27,6 +32,8 @@ RecoveryResult recover_target(const PreparedReference& prepared, const TargetSta
     const LabelledState& reference = prepared.reference.state;
     RecoveryResult result = assemble_result(found, reference, target, options.settings);
     timer.stop();
+    add_warnings("Reference", reference, result);
+    if (target.labels) add_warnings("Target", *target.labels, result);
     result.reference_name = reference.name;
     result.target_name = target.name;
     result.linear_solvers = {{"condensing", prepared.mechanics.condensation.solver},
@@ -131,7 +138,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
             const double seconds = seconds_after(timer, result);
             tell.result(k, std::move(result), seconds);
         } catch (const Error& error) {
-            if (!tell.failed) throw;
+            if (!tell.failed || error.code() == ErrorCode::cancelled) throw;
             tell.failed(k, error);
         }
     }
@@ -139,8 +146,11 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
 
 }  // namespace
 
-Segmentation read_segmentation(const std::filesystem::path& path) {
-    return {read_label_image(path), path.filename().string()};
+Segmentation read_segmentation(const std::filesystem::path& path, const ProgressSink& progress) {
+    Segmentation segmentation;
+    segmentation.labels = read_label_image(path, progress, &segmentation.warnings);
+    segmentation.name = path.filename().string();
+    return segmentation;
 }
 
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,

@@ -52,9 +52,11 @@ struct RecoverOptions {
 struct Segmentation {
     LabelImage labels;
     std::string name;
+    std::vector<std::string> warnings = {};  ///< sentences about what is odd in its file
 };
 
-Segmentation read_segmentation(const std::filesystem::path& path);
+Segmentation read_segmentation(const std::filesystem::path& path,
+                               const ProgressSink& progress = {});
 
 /// The surface of one organ, which may be open, or points on it, mm LPS.
 struct OrganTarget {

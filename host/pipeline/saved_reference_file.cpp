@@ -193,20 +193,25 @@ void write_saved_reference(SavedReference saved, const fs::path& path) {
     });
 }
 
+SavedReference parse_saved_content(std::span<const char> content) {
+    SavedReference saved;
+    ByteReader reader(content);
+    visit(reader, saved);
+    if (!reader.at_end()) throw Error(ErrorCode::input_unreadable, "it is too long");
+    return saved;
+}
+
 SavedReference read_saved_reference(const fs::path& path) {
     std::ifstream in = opened(path);
     const Header header = read_header(in, path);
     const std::string content = read_content(in, header, path);
-    SavedReference saved;
-    saved.name = path.filename().string();
     try {
-        ByteReader reader(content);
-        visit(reader, saved);
-        if (!reader.at_end()) throw Error(ErrorCode::input_unreadable, "it is too long");
+        SavedReference saved = parse_saved_content(content);
+        saved.name = path.filename().string();
+        return saved;
     } catch (const Error& error) {
         refuse(path, fmt::format("is damaged: {}", error.what()));
     }
-    return saved;
 }
 
 }  // namespace palpate

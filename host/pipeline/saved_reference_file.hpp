@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "host/pipeline/saved_reference.hpp"
 
@@ -21,5 +22,9 @@ void write_saved_reference(SavedReference saved, const std::filesystem::path& pa
 /// Throws Error(input_unreadable) if the file is missing, foreign, cut off or damaged. Memory:
 /// about twice the size of the file.
 SavedReference read_saved_reference(const std::filesystem::path& path);
+
+/// What is behind the header of such a file, whose hash was compared. Throws
+/// Error(input_unreadable).
+SavedReference parse_saved_content(std::span<const char> content);
 
 }  // namespace palpate

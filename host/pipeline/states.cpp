@@ -114,7 +114,10 @@ double edge_length_for(const RegionImage& image, Index num_nodes) {
 LabelledState make_state(const Segmentation& segmentation, const Settings& settings) {
     RegionImage regions = to_regions(segmentation.labels, settings, segmentation.name);
     LabelField field(regions, settings.num_regions());
-    return {segmentation.name, std::move(regions), std::move(field)};
+    std::vector<std::string> warnings = segmentation.warnings;
+    for (std::string& warning : thin_organs(regions, settings))
+        warnings.push_back(std::move(warning));
+    return {segmentation.name, std::move(regions), std::move(field), std::move(warnings)};
 }
 
 ReferenceState make_reference(LabelledState state, const RecoverOptions& options,

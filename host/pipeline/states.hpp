@@ -20,6 +20,7 @@ struct LabelledState {
     std::string name;  ///< for messages and the report
     RegionImage regions;
     LabelField field;
+    std::vector<std::string> warnings = {};  ///< sentences
 };
 
 LabelledState make_state(const Segmentation& segmentation, const Settings& settings);

@@ -61,8 +61,7 @@ public:
     explicit TemporaryFolder(const fs::path& target) {
         std::random_device random;
         for (int attempt = 0; attempt < 100; ++attempt) {
-            path_ = target.parent_path() /
-                    fmt::format(".{}.unfinished-{:08x}", target.filename().string(), random());
+            path_ = target.parent_path() / fmt::format("{}{:08x}", unfinished_prefix(), random());
             if (::mkdir(path_.c_str(), 0777) == 0) return;
             if (errno != EEXIST) break;
         }

@@ -135,4 +135,10 @@ std::vector<std::string> target_folder_names(const std::vector<std::filesystem::
     return names;
 }
 
+std::vector<std::string> numbered_folder_names(std::size_t num_targets) {
+    std::vector<std::string> names;
+    for (std::size_t k = 1; k <= num_targets; ++k) names.push_back(fmt::format("target-{}", k));
+    return names;
+}
+
 }  // namespace palpate

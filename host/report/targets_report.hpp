@@ -33,5 +33,7 @@ std::string targets_csv(const std::vector<TargetRow>& rows);
 /// Names of the result folders of several targets: the file's name without its ending(s), with a
 /// number appended where another target has the same.
 std::vector<std::string> target_folder_names(const std::vector<std::filesystem::path>& targets);
+/// "target-1", "target-2", ...: names that tell nothing about the files.
+std::vector<std::string> numbered_folder_names(std::size_t num_targets);
 
 }  // namespace palpate

@@ -96,6 +96,7 @@ void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& t
                         const ProgressSink& progress) {
     const PreparedSimulation& prepared = result.prepared;
     const ProgressSink inner_progress = [&](const Progress& inner) {
+        if (inner.stage.empty()) return check_cancelled(progress);
         const std::size_t step = result.steps.size();
         report_progress(progress, "solving",
                         (static_cast<double>(step) + std::max(inner.fraction, 0.0)) /

@@ -87,8 +87,8 @@ private:
         std::string failure;
         try {
             row = work.run([&](const Progress& inner) {
-                if (is_stopped()) throw Error(ErrorCode::time_limit, "The study was stopped.");
-                tell(work, inner.stage);
+                if (is_stopped()) throw Error(ErrorCode::cancelled, "the study was stopped");
+                if (!inner.stage.empty()) tell(work, inner.stage);
             });
         } catch (const Error& error) {
             if (is_stopped()) return;

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "host/imaging/files.hpp"
 #include "host/pipeline/version.hpp"
 #include "host/report/result_folder.hpp"
 #include "solver/base/error.hpp"
@@ -26,6 +27,10 @@ using Json = nlohmann::ordered_json;
 }
 
 std::string content_of(const fs::path& path) {
+    constexpr std::uintmax_t largest_bytes = std::uintmax_t(64) << 20;  // of a very large study
+    std::error_code failed;
+    if (!fs::is_regular_file(path, failed) || fs::file_size(path, failed) > largest_bytes)
+        fail(path, "is no file of a study");
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -33,13 +38,16 @@ std::string content_of(const fs::path& path) {
 /// Throws unless study.json in `folder` is of the same study with the same settings.
 void check_is_the_same(const Study& study, const fs::path& folder) {
     const Json json = Json::parse(content_of(folder / "study.json"), nullptr, false);
-    if (!json.is_object() || !json.contains("study") || !json.contains("settings"))
+    if (!json.is_object() || !json.contains("study") || !json["study"].is_string() ||
+        !json.contains("settings") || !json["settings"].is_object())
         fail(folder, "holds a study.json that cannot be read");
     if (json["study"] != study.name)
         fail(folder,
              fmt::format("holds the study '{}', not '{}'", json.value("study", ""), study.name));
     for (const auto& [name, value] : study.settings) {
-        const std::string there = json["settings"].value(name, std::string("none"));
+        const auto found = json["settings"].find(name);
+        const bool is_text = found != json["settings"].end() && found->is_string();
+        const std::string there = is_text ? found->get<std::string>() : "none";
         if (there != value)
             fail(folder, fmt::format("holds this study with {} {}, but {} was asked for", name,
                                      there, value));
@@ -62,16 +70,7 @@ void check_may_write(const fs::path& folder) {
 }  // namespace
 
 void replace_file(const fs::path& path, const std::string& text) {
-    const fs::path unfinished = path.string() + ".unfinished";
-    std::error_code failed;
-    fs::remove(unfinished, failed);
-    write_text_file(unfinished, text);
-    fs::rename(unfinished, path, failed);
-    if (failed) {
-        throw Error(ErrorCode::output_failed,
-                    fmt::format("{} cannot be written ({}); check free space and permissions",
-                                path.string(), failed.message()));
-    }
+    write_atomically(path, [&](const fs::path& unfinished) { write_text_file(unfinished, text); });
 }
 
 std::string study_json(const Study& study, const std::vector<Fact>& facts) {

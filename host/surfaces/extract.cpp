@@ -72,24 +72,31 @@ struct Attempt {
 
 SurfaceComplex make_complex(const RegionImage& image, const LabelField& field,
                             const SurfaceOptions& options, const Attempt& attempt,
-                            const std::vector<double>& volumes) {
+                            const std::vector<double>& volumes, const ProgressSink& progress) {
     const double edge = options.edge_length_mm;
     LabelLattice lattice = sample_labels(image, field, attempt.cell_share * edge);
+    check_cancelled(progress);
     even_out_contacts(lattice, 8);
     remove_thin_parts(lattice, image.grid, field);
     remove_specks(lattice, 4 * std::pow(edge, 3));
     make_well_composed(lattice, image.grid, field);
     check_all_left(lattice, volumes, edge);
+    check_cancelled(progress);
     SurfaceComplex complex = boundary_of(lattice);
     Interfaces interfaces(field, image.grid);
     relax_staircase(complex, interfaces, 0.5 * lattice.spacing, 6);
+    check_cancelled(progress);
     const SizeField size(lattice, edge, options.outer_edge_length_mm);
-    remesh(complex, interfaces, size, attempt.rounds);
+    remesh(complex, interfaces, size, attempt.rounds, progress);
     for (int round = 0; round < 3; ++round) {
+        check_cancelled(progress);
         match_volumes(complex, interfaces, volumes, 2);
+        check_cancelled(progress);
         polish(complex, interfaces, size);
     }
+    check_cancelled(progress);
     match_volumes(complex, interfaces, volumes, 2);
+    check_cancelled(progress);
     untangle(complex, 12);
     return complex;
 }
@@ -159,7 +166,7 @@ RegionSurface extract_surfaces(const RegionImage& image, const LabelField& field
         report_progress(
             progress, "surfaces", -1,
             reason.empty() ? "" : fmt::format("again with a finer lattice: {}", reason));
-        SurfaceComplex complex = make_complex(image, field, options, attempt, volumes);
+        SurfaceComplex complex = make_complex(image, field, options, attempt, volumes, progress);
         reason = complaint(complex, volumes, options.volume_tolerance);
         if (!reason.empty()) continue;
         if (summary) {

@@ -18,14 +18,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <exception>
 #include <fstream>
-#include <optional>
 #include <string>
 
+#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
+#include "host/surfaces/point_text.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
@@ -53,42 +53,13 @@ std::string ending_of(const fs::path& path) {
     return ending;
 }
 
-/// The three numbers of a line, or nothing if it is anything else.
-std::optional<Vec3> numbers_of(std::string line) {
-    for (char& c : line) {
-        if (c == ',' || c == ';' || c == '\t' || c == '\r') c = ' ';
-    }
-    Vec3 point;
-    const char *at = line.data(), *end = at + line.size();
-    const auto skip_blanks = [&] { at = std::find_if(at, end, [](char c) { return c != ' '; }); };
-    for (double& number : point) {
-        skip_blanks();
-        if (at != end && *at == '+') ++at;
-        const auto [next, error] = std::from_chars(at, end, number);
-        if (error != std::errc()) return std::nullopt;
-        at = next;
-    }
-    skip_blanks();
-    return at == end ? std::optional(point) : std::nullopt;
-}
-
 std::vector<Vec3> read_text(const fs::path& path) {
     std::ifstream file(path);
-    std::vector<Vec3> points;
-    bool has_header = false;
-    std::string line;
-    for (int number = 1; std::getline(file, line); ++number) {
-        const std::size_t first = line.find_first_not_of(" \t\r");
-        if (first == std::string::npos || line[first] == '#') continue;
-        if (const auto point = numbers_of(line)) {
-            points.push_back(*point);
-        } else if (points.empty() && !has_header) {
-            has_header = true;
-        } else {
-            unreadable(path, fmt::format("line {} is not three numbers x, y, z", number));
-        }
+    try {
+        return points_of_text(file);
+    } catch (const Error& error) {
+        unreadable(path, error.what());
     }
-    return points;
 }
 
 template <typename Reader>
@@ -109,11 +80,16 @@ PolyData run_reader(const fs::path& path) {
     return data;
 }
 
+template <typename Reader>
+PolyData read_with(const fs::path& path) {
+    return read_rehearsed(path, [&] { return run_reader<Reader>(path); });
+}
+
 /// Null for an ending that is not polydata.
 PolyData read_polydata(const fs::path& path, const std::string& ending) {
-    if (ending == ".vtp") return run_reader<vtkXMLPolyDataReader>(path);
-    if (ending == ".vtk") return run_reader<vtkPolyDataReader>(path);
-    if (ending == ".ply") return run_reader<vtkPLYReader>(path);
+    if (ending == ".vtp") return read_with<vtkXMLPolyDataReader>(path);
+    if (ending == ".vtk") return read_with<vtkPolyDataReader>(path);
+    if (ending == ".ply") return read_with<vtkPLYReader>(path);
     return nullptr;
 }
 
@@ -194,8 +170,8 @@ Surface read_surface(const fs::path& path, Frame frame) {
     if (const auto why = why_unreadable(path)) unreadable(path, *why);
     const std::string ending = ending_of(path);
     PolyData data = read_polydata(path, ending);
-    if (ending == ".stl") data = run_reader<vtkSTLReader>(path);
-    if (ending == ".obj") data = run_reader<vtkOBJReader>(path);
+    if (ending == ".stl") data = read_with<vtkSTLReader>(path);
+    if (ending == ".obj") data = read_with<vtkOBJReader>(path);
     if (!data) unreadable(path, "surfaces come from .vtp, .vtk, .ply, .stl or .obj");
     check_finite(points_of(*data), path);
     data = cleaned_triangles(*data);

@@ -418,8 +418,9 @@ void settle(SurfaceComplex& complex, const Interfaces& interfaces, double spread
 }
 
 void remesh(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLengthAt& edge_length,
-            int rounds) {
+            int rounds, const ProgressSink& progress) {
     for (int round = 0; round < rounds; ++round) {
+        check_cancelled(progress);
         Work work = work_on(complex, edge_length);
         if (round > 0) split_long_edges(work);
         collapse_short_edges(work, 4.0 / 5.0);

@@ -6,6 +6,7 @@
 
 #include "host/surfaces/interfaces.hpp"
 #include "host/surfaces/surface_complex.hpp"
+#include "solver/base/log.hpp"
 
 namespace palpate {
 
@@ -21,9 +22,10 @@ void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, cons
 /// Makes triangles of the wanted edge length: splits long edges, collapses short ones, flips edges
 /// for better angles, then moves vertices along their surface and onto the interfaces. Regions keep
 /// their topology (link condition of Dey et al. 1999 on faces and on feature curves), feature
-/// curves collapse only along themselves, no face turns over.
+/// curves collapse only along themselves, no face turns over. `progress` is only asked whether to
+/// cancel.
 void remesh(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLengthAt& edge_length,
-            int rounds);
+            int rounds, const ProgressSink& progress = {});
 
 /// Collapses the edges that stayed far too short, flips, and opens wedges between faces that are
 /// too sharp for tetrahedra.

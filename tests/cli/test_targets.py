@@ -25,7 +25,8 @@ def two(phantom, tmp_path_factory):
     """The phantom's target, and the reference itself as a target: nothing moved."""
     folder = tmp_path_factory.mktemp("targets")
     shutil.copy(phantom / "reference.nii.gz", folder / "still.nii.gz")
-    arguments = recover_arguments(phantom, folder / "out", "--save-reduced", folder / "saved.reduced")
+    arguments = recover_arguments(phantom, folder / "out", "--save-reduced", folder / "saved.reduced",
+                                  "--keep-file-names")
     arguments.insert(3, folder / "still.nii.gz")
     return folder, run_palpate(*arguments)
 

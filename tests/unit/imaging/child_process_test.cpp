@@ -18,7 +18,7 @@ namespace {
 
 /// The message of the Error that `work` leads to, after checking its code.
 std::string failure_of(const std::function<void()>& work, ErrorCode code,
-                       const ChildLimits& limits = {}) {
+                       const ReadingLimits& limits = {}) {
     try {
         run_in_child(work, limits);
         ADD_FAILURE() << "no error";
@@ -62,7 +62,7 @@ TEST(ChildProcess, SurvivesAnAbort) {
 }
 
 TEST(ChildProcess, EndsAnEndlessLoop) {
-    ChildLimits limits;
+    ReadingLimits limits;
     limits.seconds = 1;
     auto work = [] {
         volatile bool forever = true;
@@ -78,7 +78,7 @@ TEST(ChildProcess, LimitsMemory) {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP() << "address space is not limited under the sanitizer";
 #endif
-    ChildLimits limits;
+    ReadingLimits limits;
     limits.memory_bytes = std::size_t(64) << 20;
     auto work = [] {
         std::vector<char> large(std::size_t(1) << 30, 'x');

@@ -34,6 +34,10 @@ TEST(TargetFolderNames, AreDifferentAndNeverHidden) {
               (Names{"t", "t-2", "t-2-2", "target", "targets.csv-2"}));
 }
 
+TEST(TargetFolderNames, CanBeNumbersThatTellNothing) {
+    EXPECT_EQ(numbered_folder_names(2), (Names{"target-1", "target-2"}));
+}
+
 TEST(TargetsTable, ListsEveryUnknownRegionAndWhatWentWrong) {
     RecoveryResult cut_short = synthetic_result();
     cut_short.termination.converged = false;

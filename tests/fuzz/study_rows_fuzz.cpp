@@ -1,0 +1,9 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/study/row.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace palpate;
+    return fuzz_one([&] { parse_csv(text_of(data, size), "fuzz.csv"); });
+}

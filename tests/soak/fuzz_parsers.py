@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""R12: every parser of palpate under libFuzzer with the address and undefined-behaviour sanitizers,
+ten minutes each (PALPATE_FUZZ_SECONDS), from seeds that are made here; all, or those of
+PALPATE_FUZZ_PARSERS. Builds them first."""
+import os
+import pathlib
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent))
+from tests import hard_images  # noqa: E402
+from tests.soak.figures import Figure, main  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+SECONDS = int(os.environ.get("PALPATE_FUZZ_SECONDS", 600))
+PARSERS = ["nifti", "nrrd", "meta", "settings", "simulation", "load_table", "point_text", "study_rows",
+           "saved_reference"]
+
+
+def cases(*endings):
+    return [data for case in [*hard_images.refused(), *hard_images.accepted()]
+            for name, data in case.files.items() if name.lower().endswith(endings) and len(data) < 8000]
+
+
+def texts(*patterns):
+    return [path.read_bytes() for pattern in patterns for path in sorted(ROOT.glob(pattern))]
+
+
+def seeds(parser):
+    """Small files of the kind that the parser takes."""
+    if parser in ("nifti", "nrrd", "meta"):
+        return cases(*{"nifti": (".nii", ".nii.gz"), "nrrd": (".nrrd", ".nhdr"), "meta": (".mha", ".mhd")}[parser])
+    return {
+        "settings": lambda: texts("examples/*/*.toml") + [b"[prior]\nnoise_voxels = 0.25\npoisson_lowest = 0.3\n"],
+        "simulation": lambda: texts("examples/simulate/*.toml"),
+        "load_table": lambda: texts("examples/simulate/*.csv") + [b"time_s,depth\n0,0\n1,0.5\n2,1\n"],
+        "point_text": lambda: [b"x,y,z\n1,2,3\n4 5 6\n# no\n7;8;9\n-1e3\t+2.5 0\r\n" * 3],
+        "study_rows": lambda: [b'case,"a, b",c\r\n1,"say ""so""",x\n2,,\n'],
+        "saved_reference": lambda: [struct.pack("<Q", 5) + b"0.1.0" + bytes(400), bytes(2000)],
+    }[parser]()
+
+
+def words(parser):
+    """A dictionary for text: names of keys are hard to guess."""
+    if parser not in ("nrrd", "meta", "settings", "simulation"):
+        return []
+    found = set()
+    for data in seeds(parser):
+        found.update(re.findall(rb"[A-Za-z_][A-Za-z_ -]{2,30}", data))
+    return sorted(found)[:400]
+
+
+def fuzz(parser, folder):
+    corpus = folder / parser
+    corpus.mkdir()
+    for k, data in enumerate(seeds(parser)):
+        (corpus / f"seed{k}").write_bytes(data)
+    dictionary = folder / f"{parser}.words"
+    dictionary.write_bytes(b"".join(b'"%s"\n' % word for word in words(parser)) or b"# none\n")
+    finished = subprocess.run(
+        [ROOT / "build/fuzz/bin" / f"fuzz_{parser}", f"-max_total_time={SECONDS}", "-max_len=16384",
+         "-timeout=10", "-rss_limit_mb=2048", "-print_final_stats=1", f"-dict={dictionary}",
+         f"-artifact_prefix={folder}/{parser}-", corpus],
+        capture_output=True, text=True, errors="replace", check=False)
+    done = re.search(r"number_of_executed_units:\s*(\d+)", finished.stderr)
+    executions = int(done.group(1)) if done else 0
+    finding = "" if finished.returncode == 0 else finished.stderr[-4000:]
+    for path in folder.glob(f"{parser}-*"):
+        finding += f"\ninput: {path.read_bytes()[:2000]!r}"
+    return Figure("R12", f"{parser}: runs in {SECONDS} s", f"{executions:,}", "no finding", not finding, finding)
+
+
+def figures(long):
+    if not long:
+        return []
+    for command in (["--preset", "fuzz"], ["--build", "--preset", "fuzz"]):
+        subprocess.run(["cmake", *command], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    with tempfile.TemporaryDirectory(prefix="palpate-soak-") as folder:
+        wanted = os.environ.get("PALPATE_FUZZ_PARSERS", " ".join(PARSERS)).split()
+        return [fuzz(parser, pathlib.Path(folder)) for parser in wanted]
+
+
+if __name__ == "__main__":
+    main(figures)
