@@ -41,8 +41,9 @@ ALLOWED = {
     "host/pipeline": SOLVER + STATIONS + ["host/phantom"],
     "host/study": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
     "host/simulation": SOLVER + STATIONS + ["host/pipeline"],
+    "host/exporting": SOLVER + STATIONS,
     "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study",
-                                     "host/simulation"],
+                                     "host/simulation", "host/exporting"],
     "host/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
 }
 for position, station in enumerate(STATIONS):

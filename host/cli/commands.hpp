@@ -16,6 +16,7 @@ void add_phantom(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);
 void add_study(CLI::App& app, Run& run);
 void add_warp(CLI::App& app, Run& run);
+void add_export(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 
 }  // namespace palpate
