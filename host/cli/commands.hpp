@@ -15,6 +15,8 @@ void add_recover(CLI::App& app, Run& run);
 void add_phantom(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);
 void add_study(CLI::App& app, Run& run);
+void add_warp(CLI::App& app, Run& run);
+void add_export(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 
 }  // namespace palpate

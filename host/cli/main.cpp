@@ -37,6 +37,8 @@ int parse_and_run(int argc, char** argv) {
     palpate::add_phantom(app, run);
     palpate::add_simulate(app, run);
     palpate::add_study(app, run);
+    palpate::add_warp(app, run);
+    palpate::add_export(app, run);
     palpate::add_devices(app, run);
     try {
         app.parse(argc, argv);

@@ -22,6 +22,13 @@ namespace palpate {
 LabelImage read_label_image(const std::filesystem::path& path, const ProgressSink& progress = {},
                             std::vector<std::string>* warnings = nullptr);
 
+/// Reads any 3D volume of one number per voxel in the same way, as single precision.
+Image<float> read_scalar_image(const std::filesystem::path& path);
+
+/// Writes .nii, .nii.gz, .nrrd or .mha (single precision, compressed), all or nothing. Throws as
+/// `write_label_image`.
+void write_scalar_image(const std::filesystem::path& path, const Image<float>& image);
+
 /// Writes .nii, .nii.gz, .nrrd or .mha (8 bits per voxel if the labels allow, else 16, compressed),
 /// all or nothing. Throws Error(output_failed), Error(unsupported) for another ending.
 void write_label_image(const std::filesystem::path& path, const LabelImage& image);
@@ -29,6 +36,23 @@ void write_label_image(const std::filesystem::path& path, const LabelImage& imag
 /// Writes a displacement field as a 5-D NIfTI with intent 1007 (vector). Components are LPS mm in
 /// memory and in ITK's convention on disk, [num_voxels].
 void write_vector_image(const std::filesystem::path& path, const Image<Vec3>& image);
+
+/// Reads what `write_vector_image` writes. Throws Error(input_unreadable), and
+/// Error(input_unusable) for other intents (1006) and shapes (4-D): programs differ in what their
+/// axes mean.
+Image<Vec3> read_vector_image(const std::filesystem::path& path);
+
+/// The same field as an ITK transform of points, x -> x + u(x): ITK's HDF5 format (.h5, .hdf5),
+/// single precision, all or nothing. Not compressed: that takes as long as for NIfTI and makes the
+/// numbers of a real field a tenth shorter. Throws Error(output_failed), Error(unsupported).
+void write_displacement_transform(const std::filesystem::path& path, const Image<Vec3>& image);
+
+/// Reads one displacement field of three dimensions, in a child process. Throws
+/// Error(input_unreadable), Error(input_unusable): another or more than one transform.
+Image<Vec3> read_displacement_transform(const std::filesystem::path& path);
+
+/// By the ending of its name.
+bool is_transform_file(const std::filesystem::path& path);
 
 /// Reads a rigid ITK transform (.tfm, .txt, .h5): a translation, Euler3D, VersorRigid3D, or affine
 /// whose matrix is a rotation. Sense: it takes points of the reference to points of the target

@@ -59,6 +59,17 @@ CheckedVolume preflight(const std::filesystem::path& path) {
     }
 }
 
+CheckedVolume preflight_vectors(const std::filesystem::path& path) {
+    try {
+        if (format_of(path) != VolumeFormat::nifti) {
+            detail::unreadable("a displacement field is .nii or .nii.gz");
+        }
+        return detail::preflight_nifti_vectors(detail::load(path));
+    } catch (const Error& error) {
+        throw Error(error.code(), "cannot use '" + path.string() + "': " + error.what());
+    }
+}
+
 namespace detail {
 
 void unreadable(const std::string& reason) { throw Error(ErrorCode::input_unreadable, reason); }

@@ -26,6 +26,7 @@ struct CheckedVolume {
     };
     VolumeFormat format = VolumeFormat::nifti;
     std::array<Index, 3> size{0, 0, 0};
+    unsigned components = 1;        ///< numbers per voxel
     std::optional<ImageGrid> grid;  ///< if given, it holds and not the decoder's (NIfTI)
     File file;
     std::vector<std::string> warnings;  ///< sentences about what is odd but was accepted
@@ -39,6 +40,10 @@ std::optional<VolumeFormat> format_of(const std::filesystem::path& path);
 /// not a 3D scalar volume in mm; messages start with the file.
 CheckedVolume preflight(const std::filesystem::path& path);
 
+/// The same for a displacement field: NIfTI of five dimensions (x, y, z, 1, 3) with intent 1007,
+/// LPS mm. Other intents and shapes are refused: who wrote them decides what their axes mean.
+CheckedVolume preflight_vectors(const std::filesystem::path& path);
+
 /// The smallest volume that is accepted has two voxels along each axis.
 constexpr std::size_t max_voxels = std::size_t(1) << 30;
 /// Bytes tolerated behind the voxels.
@@ -47,6 +52,7 @@ constexpr std::size_t max_trailing_bytes = std::size_t(1) << 20;
 namespace detail {
 /// The parts of `preflight`, in their own files; messages without the file's name.
 CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes);
+CheckedVolume preflight_nifti_vectors(std::vector<std::uint8_t> bytes);
 CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
                              bool detached);
 CheckedVolume preflight_meta(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,

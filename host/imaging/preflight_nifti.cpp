@@ -90,10 +90,27 @@ std::array<Index, 3> checked_size(const Header& header) {
     while (sizes.size() > 3 && sizes.back() == 1) sizes.pop_back();
     if (header.intent() >= 1003 && header.intent() <= 1011) {
         unusable("it holds vectors or the like (intent " + std::to_string(header.intent()) +
-                 "), not labels");
+                 "), not one number per voxel");
     }
     checked_num_voxels(sizes);
     return {Index(sizes[0]), Index(sizes[1]), Index(sizes[2])};
+}
+
+/// Of a displacement field; ITK reads intent 1006 and 4-D fields wrongly without a word.
+std::array<Index, 3> checked_vector_size(const Header& header) {
+    constexpr int intent_vector = 1007;
+    if (header.dim(0) != 5 || header.dim(4) != 1 || header.dim(5) != 3) {
+        unusable(
+            "it is no displacement field of five dimensions (x, y, z, 1, 3); save it as ITK "
+            "does, with intent 1007");
+    }
+    if (header.intent() != intent_vector) {
+        unusable("its intent is " + std::to_string(header.intent()) +
+                 ", and programs differ in which way its axes point; save it with intent 1007, "
+                 "LPS mm, or as an ITK transform (.h5)");
+    }
+    checked_num_voxels({header.dim(1), header.dim(2), header.dim(3)});
+    return {Index(header.dim(1)), Index(header.dim(2)), Index(header.dim(3))};
 }
 
 std::size_t checked_voxel_bytes(const Header& header) {
@@ -203,12 +220,18 @@ void check_finite(std::span<const std::uint8_t> data, bool swapped) {
 
 /// A header with nothing but what is needed to decode the voxels: what ITK does with orientation,
 /// units, extensions and text can neither abort nor mislead.
-std::vector<std::uint8_t> clean_header(const Header& original, const std::array<Index, 3>& size) {
+std::vector<std::uint8_t> clean_header(const Header& original, const std::array<Index, 3>& size,
+                                       unsigned components) {
     Header header(std::vector<std::uint8_t>(clean_offset, 0), original.swapped());
     header.put<std::int32_t>(0, 348);
     header.put<std::int16_t>(40, 3);
     for (int a = 0; a < 3; ++a) header.put(42 + 2 * a, static_cast<std::int16_t>(size[a]));
     for (int a = 3; a < 7; ++a) header.put<std::int16_t>(42 + 2 * a, 1);
+    if (components > 1) {
+        header.put<std::int16_t>(40, 5);
+        header.put(50, static_cast<std::int16_t>(components));
+        header.put<std::int16_t>(68, 1007);
+    }
     header.put(70, static_cast<std::int16_t>(original.datatype()));
     header.put(72, static_cast<std::int16_t>(original.bits_per_voxel()));
     for (int n = 0; n < 8; ++n) header.put(76 + 4 * n, 1.0f);
@@ -222,17 +245,16 @@ std::vector<std::uint8_t> clean_header(const Header& original, const std::array<
     return bytes;
 }
 
-}  // namespace
-
-CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes) {
+CheckedVolume checked_volume(std::vector<std::uint8_t> bytes, unsigned components) {
     const bool compressed = is_gzip(bytes);
     const Header header = header_of(compressed ? inflated_start(bytes, header_bytes) : bytes);
     CheckedVolume volume;
     volume.format = VolumeFormat::nifti;
-    volume.size = checked_size(header);
-    const std::size_t num_voxels =
-        std::size_t(volume.size[0]) * std::size_t(volume.size[1]) * std::size_t(volume.size[2]);
-    const std::size_t data_bytes = num_voxels * checked_voxel_bytes(header);
+    volume.components = components;
+    volume.size = components == 1 ? checked_size(header) : checked_vector_size(header);
+    const std::size_t num_values = std::size_t(volume.size[0]) * std::size_t(volume.size[1]) *
+                                   std::size_t(volume.size[2]) * components;
+    const std::size_t data_bytes = num_values * checked_voxel_bytes(header);
     const double offset = header.voxel_offset();
     if (offset < 348 || offset > 1e9 || offset != std::floor(offset)) {
         unreadable("its header is damaged (data offset)");
@@ -246,9 +268,19 @@ CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes) {
     const auto data = checked_data(std::span(bytes).subspan(start), false, data_bytes);
     if (header.datatype() == 16) check_finite<float>(data, header.swapped());
     if (header.datatype() == 64) check_finite<double>(data, header.swapped());
-    const std::vector<std::uint8_t> clean = clean_header(header, volume.size);
+    const std::vector<std::uint8_t> clean = clean_header(header, volume.size, components);
     volume.file = joined("volume.nii", std::string(clean.begin(), clean.end()), data);
     return volume;
+}
+
+}  // namespace
+
+CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes) {
+    return checked_volume(std::move(bytes), 1);
+}
+
+CheckedVolume preflight_nifti_vectors(std::vector<std::uint8_t> bytes) {
+    return checked_volume(std::move(bytes), 3);
 }
 
 }  // namespace palpate::detail

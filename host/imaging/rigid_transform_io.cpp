@@ -1,33 +1,21 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include <itkHDF5TransformIOFactory.h>
-#include <itkTransformFactoryBase.h>
 #include <itkTransformFileReader.h>
 #include <itkTransformFileWriter.h>
-#include <itkTxtTransformIOFactory.h>
 #include <itkVersorRigid3DTransform.h>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <filesystem>
-#include <mutex>
 
 #include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
+#include "host/imaging/transform_formats.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
-
-void register_formats() {
-    static std::once_flag done;
-    std::call_once(done, [] {
-        itk::TransformFactoryBase::RegisterDefaultTransforms();
-        itk::TxtTransformIOFactory::RegisterOneFactory();
-        itk::HDF5TransformIOFactory::RegisterOneFactory();
-    });
-}
 
 [[noreturn]] void unusable(const std::string& reason) {
     throw Error(ErrorCode::input_unusable, reason);
@@ -42,7 +30,7 @@ Vec3 image_of(const itk::Transform<double, 3, 3>& transform, const Vec3& x) {
 
 /// Runs in the child: y = matrix x + translation, 12 numbers, matrix by columns.
 void read_linear(const std::filesystem::path& path, double* numbers) {
-    register_formats();
+    register_transform_formats();
     const auto reader = itk::TransformFileReaderTemplate<double>::New();
     reader->SetFileName(path.string());
     reader->Update();
@@ -106,7 +94,7 @@ void write_rigid_transform(const std::filesystem::path& path, const RigidTransfo
         throw Error(ErrorCode::unsupported,
                     "cannot write '" + path.string() + "': a transform is .tfm, .txt or .h5");
     }
-    register_formats();
+    register_transform_formats();
     const auto rigid = itk::VersorRigid3DTransform<double>::New();
     itk::VersorRigid3DTransform<double>::MatrixType matrix;
     itk::VersorRigid3DTransform<double>::OutputVectorType translation;

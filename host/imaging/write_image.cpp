@@ -95,6 +95,10 @@ void write_label_image(const std::filesystem::path& path, const LabelImage& imag
     }
 }
 
+void write_scalar_image(const std::filesystem::path& path, const Image<float>& image) {
+    write_volume(path, image.grid, image.voxels, 1);
+}
+
 void write_vector_image(const std::filesystem::path& path, const Image<Vec3>& image) {
     if (format_of(path) != VolumeFormat::nifti) {
         throw Error(ErrorCode::unsupported,

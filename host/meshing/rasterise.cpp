@@ -106,72 +106,22 @@ std::array<Vec3, 4> corners(const Tet& tet, const std::vector<Vec3>& nodes) {
     return {nodes[tet[0]], nodes[tet[1]], nodes[tet[2]], nodes[tet[3]]};
 }
 
-/// The displacement as an affine function of the voxel index in each tet: [constant | slope].
-std::vector<Eigen::Matrix<double, 3, 4>> affine_displacements(
-    const Mesh& mesh, const std::vector<Vec3>& indices, const std::vector<Vec3>& displacement) {
+/// Vectors at the nodes as an affine function of the voxel index in each tet: [constant | slope].
+std::vector<Eigen::Matrix<double, 3, 4>> affine_values(const Mesh& mesh,
+                                                       const std::vector<Vec3>& indices,
+                                                       const std::vector<Vec3>& values) {
     std::vector<Eigen::Matrix<double, 3, 4>> affine(mesh.tets.size());
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
         const TetWeights weights(corners(mesh.tets[t], indices));
         affine[t].setZero();
         if (weights.is_flat) continue;
         for (int c = 0; c < 4; ++c) {
-            const Vec3& u = displacement[mesh.tets[t][c]];
+            const Vec3& u = values[mesh.tets[t][c]];
             affine[t].col(0) += weights.constant[c] * u;
             affine[t].rightCols<3>() += u * weights.slope.row(c);
         }
     }
     return affine;
-}
-
-/// Linear interpolation at a continuous voxel index, clamped to the voxel centres.
-Vec3 interpolate(const Image<Vec3>& field, const Vec3& index) {
-    std::array<Index, 3> low{}, high{};
-    Vec3 t;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double x = std::clamp(index[axis], 0.0, field.grid.size[axis] - 1.0);
-        low[axis] = static_cast<Index>(x);
-        high[axis] = std::min<Index>(low[axis] + 1, field.grid.size[axis] - 1);
-        t[axis] = x - low[axis];
-    }
-    const auto along_i = [&](Index j, Index k) -> Vec3 {
-        return (1 - t[0]) * field.at(low[0], j, k) + t[0] * field.at(high[0], j, k);
-    };
-    const auto along_j = [&](Index k) -> Vec3 {
-        return (1 - t[1]) * along_i(low[1], k) + t[1] * along_i(high[1], k);
-    };
-    return (1 - t[2]) * along_j(low[2]) + t[2] * along_j(high[2]);
-}
-
-/// Finds x with x + u(x) = y by x <- x + step (y - x - u(x)); the step is halved when the defect
-/// grows, so that fields steeper than 1 still converge. `x` is the start.
-Vec3 origin_of(const Vec3& y, Vec3 x, const Image<Vec3>& displacement, double tolerance_mm) {
-    constexpr int max_iterations = 60;
-    constexpr double smallest_step = 0.05;
-    double step = 1.0;
-    Vec3 defect = y - x - interpolate(displacement, displacement.grid.to_index(x));
-    for (int n = 0; n < max_iterations && defect.norm() > tolerance_mm; ++n) {
-        const Vec3 next = x + step * defect;
-        const Vec3 next_defect =
-            y - next - interpolate(displacement, displacement.grid.to_index(next));
-        if (next_defect.norm() > defect.norm() && step > smallest_step) {
-            step *= 0.5;
-            continue;
-        }
-        x = next;
-        defect = next_defect;
-    }
-    return x;
-}
-
-std::uint16_t nearest_label(const LabelImage& labels, const Vec3& point) {
-    const Vec3 index = labels.grid.to_index(point);
-    std::array<Index, 3> voxel{};
-    for (int axis = 0; axis < 3; ++axis) {
-        const double rounded = std::floor(index[axis] + 0.5);
-        if (!(rounded >= 0 && rounded < labels.grid.size[axis])) return 0;
-        voxel[axis] = static_cast<Index>(rounded);
-    }
-    return labels.at(voxel[0], voxel[1], voxel[2]);
 }
 
 }  // namespace
@@ -189,48 +139,33 @@ std::vector<Index> tet_of_voxels(const Mesh& mesh, const std::vector<Vec3>& node
     return tet_of;
 }
 
-Image<Vec3> displacement_on_grid(const Mesh& mesh, const std::vector<Vec3>& displacement,
-                                 const ImageGrid& grid) {
-    check_sizes(mesh, displacement.size(), "The displacement");
-    const std::vector<Index> tet_of = tet_of_voxels(mesh, mesh.nodes, grid);
-    const auto affine =
-        affine_displacements(mesh, to_voxel_indices(mesh.nodes, grid), displacement);
-    Image<Vec3> field{grid, std::vector<Vec3>(grid.num_voxels(), Vec3::Zero())};
-    std::vector<std::uint8_t> unknown(grid.num_voxels(), 0);
+FieldInMesh interpolate_in_mesh(const Mesh& mesh, const std::vector<Vec3>& nodes,
+                                const std::vector<Vec3>& values, const ImageGrid& grid) {
+    check_sizes(mesh, values.size(), "The list of vectors");
+    const std::vector<Index> tet_of = tet_of_voxels(mesh, nodes, grid);
+    const auto affine = affine_values(mesh, to_voxel_indices(nodes, grid), values);
+    FieldInMesh inside{{grid, std::vector<Vec3>(grid.num_voxels(), Vec3::Zero())},
+                       std::vector<std::uint8_t>(grid.num_voxels(), 0)};
     parallel_for(grid.size[2], [&](Index begin, Index end) {
         for (Index k = begin; k < end; ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {
                     const std::size_t at = grid.offset(i, j, k);
-                    unknown[at] = tet_of[at] < 0;
-                    if (unknown[at]) continue;
-                    field.voxels[at] = affine[tet_of[at]] * Eigen::Vector4d(1, i, j, k);
+                    inside.is_outside[at] = tet_of[at] < 0;
+                    if (inside.is_outside[at]) continue;
+                    inside.field.voxels[at] = affine[tet_of[at]] * Eigen::Vector4d(1, i, j, k);
                 }
             }
         }
     });
-    laplace_fill(field, unknown);
-    return field;
+    return inside;
 }
 
-LabelImage warp_labels(const LabelImage& labels, const Image<Vec3>& displacement,
-                       const ImageGrid& out_grid) {
-    const double tolerance_mm = 0.01 * out_grid.spacing.minCoeff();
-    LabelImage out{out_grid, std::vector<std::uint16_t>(out_grid.num_voxels(), 0)};
-    parallel_for(out_grid.size[2], [&](Index begin, Index end) {
-        for (Index k = begin; k < end; ++k) {
-            for (Index j = 0; j < out_grid.size[1]; ++j) {
-                Vec3 shift = Vec3::Zero();  // of the voxel before, a good start for this one
-                for (Index i = 0; i < out_grid.size[0]; ++i) {
-                    const Vec3 y = out_grid.to_point(Vec3(i, j, k));
-                    const Vec3 x = origin_of(y, y - shift, displacement, tolerance_mm);
-                    shift = y - x;
-                    out.at(i, j, k) = nearest_label(labels, x);
-                }
-            }
-        }
-    });
-    return out;
+Image<Vec3> displacement_on_grid(const Mesh& mesh, const std::vector<Vec3>& displacement,
+                                 const ImageGrid& grid) {
+    FieldInMesh inside = interpolate_in_mesh(mesh, mesh.nodes, displacement, grid);
+    laplace_fill(inside.field, inside.is_outside);
+    return std::move(inside.field);
 }
 
 }  // namespace palpate

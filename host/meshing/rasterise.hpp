@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "host/imaging/label_image.hpp"
+#include "host/imaging/image.hpp"
 #include "solver/mesh/mesh.hpp"
 
 namespace palpate {
@@ -15,17 +16,21 @@ namespace palpate {
 std::vector<Index> tet_of_voxels(const Mesh& mesh, const std::vector<Vec3>& nodes,
                                  const ImageGrid& grid);
 
+/// Vectors at the nodes, on the voxel centres of a grid.
+struct FieldInMesh {
+    Image<Vec3> field;                     ///< linear inside tets, zero where there is none
+    std::vector<std::uint8_t> is_outside;  ///< [num_voxels] 1 where there is no tet
+};
+
+/// `nodes` may be the deformed positions [num_nodes] (mm, LPS), `values` [num_nodes] any vectors.
+FieldInMesh interpolate_in_mesh(const Mesh& mesh, const std::vector<Vec3>& nodes,
+                                const std::vector<Vec3>& values, const ImageGrid& grid);
+
 /// The displacement of the mesh nodes (mm, LPS) on the voxel centres of `grid`: linear inside tets;
 /// where there is no tet (hollow organs, outside the domain) continued smoothly by solving
 /// Laplace's equation on the grid with the meshed voxels as boundary values (zero normal derivative
 /// at the image border).
 Image<Vec3> displacement_on_grid(const Mesh& mesh, const std::vector<Vec3>& displacement,
                                  const ImageGrid& grid);
-
-/// Carries a label image by a displacement field given on its own grid (reference to target, mm):
-/// out(y) = labels(x) where x + u(x) = y, found by fixed-point iteration; nearest neighbour.
-/// `out_grid` is the grid of the answer (the reference grid or the target's).
-LabelImage warp_labels(const LabelImage& labels, const Image<Vec3>& displacement,
-                       const ImageGrid& out_grid);
 
 }  // namespace palpate

@@ -19,6 +19,7 @@
 #include "host/pipeline/volumes.hpp"
 #include "host/surfaces/picture_surface.hpp"
 #include "host/surfaces/surface.hpp"
+#include "host/warping/inverse_field.hpp"
 
 namespace palpate {
 namespace {
@@ -30,6 +31,13 @@ std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
     std::vector<Vec3> points(values.size() / 3);
     for (std::size_t k = 0; k < points.size(); ++k) points[k] = values.segment<3>(3 * k);
     return points;
+}
+
+std::vector<Held> held_nodes(const RecoveryModel& recovery) {
+    std::vector<Held> held(recovery.model.mesh.nodes.size(), Held::free);
+    for (const Index node : recovery.fixed) held[node] = Held::fixed;
+    for (const Index node : recovery.driven) held[node] = Held::driven;
+    return held;
 }
 
 bool has_known_tissue(const Settings& settings) {
@@ -248,10 +256,12 @@ void add_volumes(const Recovered& found, const LabelledState& reference, const T
                  const Settings& settings, RecoveryResult& result) {
     const RigidTransform& transform = found.alignment.reference_to_target;
     const ImageGrid grid = target_grid(reference, target);
-    const auto field = displacement_on_grid(found.mesh.mesh, as_points(found.displacement),
-                                            reference.regions.grid);
-    const auto before = carry_regions(reference.field, {}, transform, grid);
-    const auto after = carry_regions(reference.field, field, transform, grid);
+    const Mesh& mesh = found.mesh.mesh;
+    const auto field = displacement_on_grid(mesh, result.displacement, reference.regions.grid);
+    result.inverse_displacement_field =
+        inverse_field(mesh, result.displacement, field, transform, grid);
+    const auto before = carry_regions(reference.field, transform, grid);
+    const auto after = carry_regions(reference.field, result.inverse_displacement_field);
     const RegionImage* seen = target.labels ? &target.labels->regions : nullptr;
     for (auto& surface : result.surfaces) {
         surface.dice_before = seen ? dice(before, *seen, surface.region) : not_known;
@@ -295,6 +305,7 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.mesher = found.mesher;
     result.displacement = as_points(found.displacement);
     result.force = as_points(found.force);
+    result.held = held_nodes(found.recovery);
     for (const Index region : found.mesh.mesh.region) {
         result.tet_stiffness_kpa.push_back(found.recovery.model.materials[region].stiffness_kpa);
     }

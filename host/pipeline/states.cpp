@@ -77,7 +77,7 @@ AlignmentResult align(const RecoverOptions& options, const ReferenceState& refer
 void check_overlap(const LabelledState& reference, const LabelledState& target,
                    const AlignmentResult& alignment, const Settings& settings) {
     const auto carried =
-        carry_regions(reference.field, {}, alignment.reference_to_target, target.regions.grid);
+        carry_regions(reference.field, alignment.reference_to_target, target.regions.grid);
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         const Index region = first_organ_region + static_cast<Index>(k);
         if (!is_matched(settings.organs[k]) || dice(carried, target.regions, region) > 0) continue;

@@ -3,83 +3,44 @@
 #include "host/pipeline/volumes.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <thread>
 
+#include "host/imaging/parallel.hpp"
 #include "host/modelling/regions.hpp"
 
 namespace palpate {
 namespace {
 
-/// Trilinear, the border value beyond the grid.
-Vec3 sample(const Image<Vec3>& image, const Vec3& point) {
-    const Vec3 index = image.grid.to_index(point);
-    std::array<Index, 3> low;
-    Vec3 t;
-    for (int a = 0; a < 3; ++a) {
-        const double last = image.grid.size[a] - 1;
-        const double x = std::clamp(index[a], 0.0, last);
-        low[a] = std::min(static_cast<Index>(x), std::max<Index>(0, image.grid.size[a] - 2));
-        t[a] = x - low[a];
-    }
-    Vec3 sum = Vec3::Zero();
-    for (int corner = 0; corner < 8; ++corner) {
-        std::array<Index, 3> at;
-        double weight = 1;
-        for (int a = 0; a < 3; ++a) {
-            const bool upper = corner >> a & 1;
-            at[a] = std::min<Index>(low[a] + upper, image.grid.size[a] - 1);
-            weight *= upper ? t[a] : 1 - t[a];
-        }
-        if (weight > 0) sum += weight * image.at(at[0], at[1], at[2]);
-    }
-    return sum;
-}
-
-/// x with x + u(x) = y: fixed-point iteration, which contracts while |grad u| < 1.
-Vec3 pulled_back(const Image<Vec3>& displacement, const Vec3& y) {
-    constexpr int most_iterations = 30;
-    constexpr double close_enough_mm = 0.01;
-    Vec3 x = y;
-    for (int k = 0; k < most_iterations; ++k) {
-        const Vec3 next = y - sample(displacement, x);
-        const double change = (next - x).norm();
-        x = k < 10 ? next : Vec3(0.5 * (next + x));  // damped where it does not contract
-        if (change < close_enough_mm) break;
-    }
-    return x;
-}
-
-template <typename Function>
-void for_each_slice(Index slices, const Function& function) {
-    const unsigned workers = std::max(1u, std::thread::hardware_concurrency());
-    std::vector<std::thread> threads;
-    for (unsigned w = 0; w < workers; ++w) {
-        threads.emplace_back([&, w] {
-            for (Index k = static_cast<Index>(w); k < slices; k += static_cast<Index>(workers)) {
-                function(k);
-            }
-        });
-    }
-    for (auto& thread : threads) thread.join();
-}
-
-}  // namespace
-
-RegionImage carry_regions(const LabelField& reference, const Image<Vec3>& displacement,
-                          const RigidTransform& reference_to_target, const ImageGrid& target_grid) {
-    RegionImage carried{target_grid, std::vector<std::uint8_t>(target_grid.num_voxels())};
-    const RigidTransform back = reference_to_target.inverse();
-    for_each_slice(target_grid.size[2], [&](Index k) {
-        for (Index j = 0; j < target_grid.size[1]; ++j) {
-            for (Index i = 0; i < target_grid.size[0]; ++i) {
-                const Vec3 y = back.apply(target_grid.to_point(Vec3(i, j, k)));
-                const Vec3 x = displacement.voxels.empty() ? y : pulled_back(displacement, y);
-                carried.at(i, j, k) = static_cast<std::uint8_t>(reference.region_at(x));
+/// Regions of the reference at the points origin(y, voxel) for each voxel centre y of `grid`.
+template <typename Origin>
+RegionImage regions_at(const LabelField& reference, const ImageGrid& grid, const Origin& origin) {
+    RegionImage carried{grid, std::vector<std::uint8_t>(grid.num_voxels())};
+    parallel_for(grid.size[1] * grid.size[2], [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const Index j = static_cast<Index>(row) % grid.size[1];
+            const Index k = static_cast<Index>(row) / grid.size[1];
+            for (Index i = 0; i < grid.size[0]; ++i) {
+                const std::size_t at = grid.offset(i, j, k);
+                const Vec3 x = origin(grid.to_point(Vec3(i, j, k)), at);
+                carried.voxels[at] = static_cast<std::uint8_t>(reference.region_at(x));
             }
         }
     });
     return carried;
+}
+
+}  // namespace
+
+RegionImage carry_regions(const LabelField& reference, const RigidTransform& reference_to_target,
+                          const ImageGrid& target_grid) {
+    const RigidTransform back = reference_to_target.inverse();
+    return regions_at(reference, target_grid,
+                      [&](const Vec3& y, std::size_t) { return back.apply(y); });
+}
+
+RegionImage carry_regions(const LabelField& reference, const Image<Vec3>& target_to_reference) {
+    return regions_at(reference, target_to_reference.grid, [&](const Vec3& y, std::size_t voxel) {
+        return Vec3(y + target_to_reference.voxels[voxel]);
+    });
 }
 
 LabelImage to_labels(const RegionImage& regions, const Settings& settings) {

@@ -8,10 +8,12 @@
 namespace palpate {
 
 /// Regions of the reference seen on the target's grid: for every target voxel centre y the region
-/// of `reference` at the point x with transform(x + u(x)) = y. An empty `displacement` stands for u
-/// = 0.
-RegionImage carry_regions(const LabelField& reference, const Image<Vec3>& displacement,
-                          const RigidTransform& reference_to_target, const ImageGrid& target_grid);
+/// of `reference` at the point x that the alignment alone carries to y.
+RegionImage carry_regions(const LabelField& reference, const RigidTransform& reference_to_target,
+                          const ImageGrid& target_grid);
+
+/// The same for x = y + v(y), with the displacements v given on the target's grid.
+RegionImage carry_regions(const LabelField& reference, const Image<Vec3>& target_to_reference);
 
 /// File labels of a region image.
 LabelImage to_labels(const RegionImage& regions, const Settings& settings);

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/report/json_report.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/report/findings.hpp"
+#include "host/warping/field_files.hpp"
 
 namespace palpate {
 namespace {
@@ -85,6 +88,21 @@ Json grid_json(const ImageGrid& grid) {
             {"spacing_mm", vector3(grid.spacing)},
             {"origin_mm", vector3(grid.origin)},
             {"direction", direction}};
+}
+
+/// Which displacement field is which.
+Json fields_json() {
+    Json list = Json::array();
+    for (const FieldFile& f : {forward_field, backward_field})
+        list.push_back(
+            {{"points_from", f.points_from},
+             {"points_to", f.points_to},
+             {"grid_of", f.points_from},
+             {"displacement_field", f.field},
+             {"itk_transform", f.transform},
+             {"itk_transform_resamples",
+              fmt::format("images of the {} onto the {}'s grid", f.points_to, f.points_from)}});
+    return list;
 }
 
 Json alignment_json(const AlignmentResult& a) {
@@ -208,6 +226,7 @@ std::string json_report(const RecoveryResult& result, bool include_file_names) {
     if (include_file_names)
         json["inputs"] = {{"reference", result.reference_name}, {"target", result.target_name}};
     json["grid"] = grid_json(result.reference_labels.grid);
+    json["fields"] = fields_json();
     Json regions = Json::array(), surfaces = Json::array();
     for (const RegionResult& r : result.regions) regions.push_back(region_json(r));
     for (const SurfaceResult& s : result.surfaces) surfaces.push_back(surface_json(s));

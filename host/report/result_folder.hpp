@@ -20,8 +20,9 @@ struct ResultOptions {
 /// replaced, or its parent cannot be written. Call it before a long computation.
 void check_result_folder(const std::filesystem::path& folder, bool overwrite);
 
-/// Writes the result folder, all or nothing: result.json, mesh.vtu, displacement.nii.gz,
-/// warped_labels.nii.gz, convergence.csv, report.html. Missing parent folders are made.
+/// Writes the result folder, all or nothing: result.json, mesh.vtu, the displacement in both senses
+/// as image and as ITK transform (host/warping/field_files.hpp), warped_labels.nii.gz,
+/// convergence.csv, report.html. Missing parent folders are made.
 /// An existing folder is replaced only with `overwrite`, and only if it holds a result.json.
 /// Throws Error(output_failed) and leaves nothing behind.
 void write_result(const RecoveryResult& result, const std::filesystem::path& folder,

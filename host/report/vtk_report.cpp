@@ -33,6 +33,8 @@ void write_vtk_report(const RecoveryResult& result, const std::filesystem::path&
     arrays.cell_scalars["stiffness_kpa"] = result.tet_stiffness_kpa;
     arrays.point_vectors["displacement"] = result.displacement;
     arrays.point_vectors["force"] = result.force;
+    for (const Held held : result.held)
+        arrays.point_scalars["held"].push_back(static_cast<double>(held));
     write_vtu(path, with_file_labels(result), arrays);
 }
 

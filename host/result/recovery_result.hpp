@@ -83,6 +83,13 @@ struct SurfaceResult {
     Surface target;                  ///< aligned, without caps; small marks in place of points
 };
 
+/// What holds a node of the mesh.
+enum class Held : std::uint8_t {
+    free,    ///< nothing but the tissue round it
+    fixed,   ///< it does not move
+    driven,  ///< on the wall of a driven organ: it moves as estimated, and a force acts on it
+};
+
 struct RecoveryResult {
     Settings settings;
     std::string settings_toml;
@@ -93,6 +100,7 @@ struct RecoveryResult {
     RegionMesh mesh;                        ///< LPS mm
     std::vector<Vec3> displacement;         ///< [num_nodes] mm, reference to aligned target
     std::vector<Vec3> force;                ///< [num_nodes] mN, reactions at driven and fixed nodes
+    std::vector<Held> held;                 ///< [num_nodes]
     std::vector<double> tet_stiffness_kpa;  ///< [num_tets]
     std::vector<RegionResult> regions;
     std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order
@@ -114,6 +122,7 @@ struct RecoveryResult {
     LabelImage reference_labels;       ///< carried there by the alignment alone
     LabelImage target_labels_aligned;  ///< the target as it was read; empty without target labels
     LabelImage warped_labels;          ///< reference labels carried by the displacement
+    Image<Vec3> inverse_displacement_field;  ///< mm, LPS, target to reference (alignment included)
     // On the reference grid.
     Image<Vec3> displacement_field;  ///< mm, LPS, reference to target (alignment included)
 };

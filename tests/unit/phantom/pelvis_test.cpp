@@ -9,6 +9,7 @@
 #include <map>
 
 #include "host/meshing/rasterise.hpp"
+#include "host/warping/warp_volume.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -89,7 +90,9 @@ TEST(Pelvis, HasOrgansLandmarksAndVolumesThatAgreeWithItsTrueDisplacement) {
 
     const Image<Vec3> u =
         displacement_on_grid(phantom.mesh.mesh, phantom.displacement, phantom.reference.grid);
-    const LabelImage warped = warp_labels(phantom.reference, u, phantom.target.grid);
+    const LabelImage warped =
+        warp_labels(phantom.reference, {u, true}, phantom.target.grid, Interpolation::nearest)
+            .image;
     // Both volumes place a wall to a quarter voxel; of 17 cm^3 within 55 cm^2 that is some 3 %.
     const std::array<double, 6> least_dice{0.99, 0.97, 0.97, 0.955, 0.99, 0.99};
     for (const Index label : {0, 1, 2, 3, 4, 5}) {

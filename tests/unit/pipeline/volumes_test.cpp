@@ -38,28 +38,28 @@ TEST(CarryRegions, WithoutDisplacementGivesTheReferenceBack) {
     const RegionImage reference = block();
     const LabelField field(reference, organ + 1);
 
-    const auto carried = carry_regions(field, {}, {}, reference.grid);
+    const auto carried = carry_regions(field, RigidTransform{}, reference.grid);
 
     EXPECT_GT(dice(carried, reference, organ), 0.97);
 }
 
-TEST(CarryRegions, MovesTheOrganAlongTheDisplacement) {
+TEST(CarryRegions, FetchesTheOrganFromWhereTheTargetsDisplacementPoints) {
     const RegionImage reference = block();
     const LabelField field(reference, organ + 1);
-    Image<Vec3> shift{reference.grid, {}};
-    shift.voxels.assign(reference.grid.num_voxels(), Vec3(3, 0, 0));
+    Image<Vec3> way_back{reference.grid, {}};
+    way_back.voxels.assign(reference.grid.num_voxels(), Vec3(-3, 0, 0));
 
-    const auto carried = carry_regions(field, shift, {}, reference.grid);
+    const auto carried = carry_regions(field, way_back);
 
     EXPECT_EQ(first_column(carried), first_column(reference) + 3);
 }
 
-TEST(CarryRegions, AppliesTheAlignmentAfterTheDisplacement) {
+TEST(CarryRegions, WithoutDisplacementFollowsTheAlignment) {
     const RegionImage reference = block();
     const LabelField field(reference, organ + 1);
     const RigidTransform transform{Mat3::Identity(), Vec3(5, 0, 0)};
 
-    const auto carried = carry_regions(field, {}, transform, reference.grid);
+    const auto carried = carry_regions(field, transform, reference.grid);
 
     EXPECT_EQ(first_column(carried), first_column(reference) + 5);
 }

@@ -42,7 +42,9 @@ TEST_F(ResultFolder, HoldsEveryFileAfterAWrite) {
 
     EXPECT_EQ(names_in(folder), "out");
     EXPECT_EQ(names_in(folder / "out"),
-              "convergence.csv displacement.nii.gz mesh.vtu report.html result.json "
+              "convergence.csv displacement.nii.gz displacement_inverse.nii.gz "
+              "from-reference_to-target_mode-image_xfm.h5 "
+              "from-target_to-reference_mode-image_xfm.h5 mesh.vtu report.html result.json "
               "warped_labels.nii.gz");
 }
 

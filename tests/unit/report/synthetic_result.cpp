@@ -291,6 +291,11 @@ RecoveryResult synthetic_result() {
     r.displacement_field.grid = grid();
     for (std::size_t v = 0; v < grid().num_voxels(); ++v)
         r.displacement_field.voxels.push_back(Vec3(1, 2, 3));
+    r.inverse_displacement_field.grid = grid();
+    for (std::size_t v = 0; v < grid().num_voxels(); ++v)
+        r.inverse_displacement_field.voxels.push_back(Vec3(-1, -2, -3));
+    r.held.assign(r.mesh.mesh.nodes.size(), Held::free);
+    r.held[5] = Held::driven;
     return r;
 }
 

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "host/imaging/decode_volume.hpp"
+#include "host/imaging/io.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+float finite_from(double number, std::size_t position) {
+    if (!(std::abs(number) <= std::numeric_limits<float>::max())) {
+        throw Error(ErrorCode::input_unusable,
+                    "its number " + std::to_string(position) +
+                        " is not finite or too large; replace such voxels by a number");
+    }
+    return static_cast<float>(number);
+}
+
+}  // namespace
+
+Image<float> read_scalar_image(const std::filesystem::path& path) {
+    auto volume = decode_volume<float>(path, preflight(path), finite_from);
+    return {volume.grid, std::move(volume.values)};
+}
+
+Image<Vec3> read_vector_image(const std::filesystem::path& path) {
+    const auto volume = decode_volume<float>(path, preflight_vectors(path), finite_from);
+    Image<Vec3> image{volume.grid, {}};
+    image.voxels.reserve(image.grid.num_voxels());
+    for (std::size_t n = 0; n + 2 < volume.values.size(); n += 3) {
+        image.voxels.emplace_back(volume.values[n], volume.values[n + 1], volume.values[n + 2]);
+    }
+    return image;
+}
+
+}  // namespace palpate

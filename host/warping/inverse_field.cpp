@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/warping/inverse_field.hpp"
+
+#include "host/imaging/parallel.hpp"
+#include "host/meshing/rasterise.hpp"
+#include "host/warping/displacement_field.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double tolerance_mm = 1e-3;
+
+/// Inverts x -> transform(x + u(x)) at the voxels of `inverse` that are `unknown`.
+void invert_by_iteration(const Image<Vec3>& field, const RigidTransform& transform,
+                         const std::vector<std::uint8_t>& unknown, Image<Vec3>& inverse) {
+    const RigidTransform back = transform.inverse();
+    const ImageGrid& grid = inverse.grid;
+    parallel_for(grid.size[1] * grid.size[2], [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const Index j = static_cast<Index>(row) % grid.size[1];
+            const Index k = static_cast<Index>(row) / grid.size[1];
+            Vec3 shift = Vec3::Zero();  // of the voxel before, a good start for this one
+            for (Index i = 0; i < grid.size[0]; ++i) {
+                if (!unknown[grid.offset(i, j, k)]) continue;
+                const Vec3 y = grid.to_point(Vec3(i, j, k)), aligned = back.apply(y);
+                const Vec3 x = origin_of(field, aligned, aligned - shift, tolerance_mm).point;
+                shift = aligned - x;
+                inverse.at(i, j, k) = x - y;
+            }
+        }
+    });
+}
+
+}  // namespace
+
+Image<Vec3> inverse_field(const Mesh& mesh, const std::vector<Vec3>& displacement,
+                          const Image<Vec3>& field, const RigidTransform& transform,
+                          const ImageGrid& grid) {
+    std::vector<Vec3> moved(mesh.nodes.size()), way_back(mesh.nodes.size());
+    for (std::size_t n = 0; n < moved.size(); ++n) {
+        moved[n] = transform.apply(mesh.nodes[n] + displacement[n]);
+        way_back[n] = mesh.nodes[n] - moved[n];
+    }
+    FieldInMesh inside = interpolate_in_mesh(mesh, moved, way_back, grid);
+    invert_by_iteration(field, transform, inside.is_outside, inside.field);
+    return std::move(inside.field);
+}
+
+Image<Vec3> inverse_field(const Image<Vec3>& field, const ImageGrid& grid) {
+    Image<Vec3> inverse{grid, std::vector<Vec3>(grid.num_voxels())};
+    invert_by_iteration(field, {}, std::vector<std::uint8_t>(grid.num_voxels(), 1), inverse);
+    return inverse;
+}
+
+}  // namespace palpate
