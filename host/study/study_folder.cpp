@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "host/imaging/files.hpp"
 #include "host/pipeline/version.hpp"
 #include "host/report/result_folder.hpp"
 #include "solver/base/error.hpp"
@@ -62,16 +63,7 @@ void check_may_write(const fs::path& folder) {
 }  // namespace
 
 void replace_file(const fs::path& path, const std::string& text) {
-    const fs::path unfinished = path.string() + ".unfinished";
-    std::error_code failed;
-    fs::remove(unfinished, failed);
-    write_text_file(unfinished, text);
-    fs::rename(unfinished, path, failed);
-    if (failed) {
-        throw Error(ErrorCode::output_failed,
-                    fmt::format("{} cannot be written ({}); check free space and permissions",
-                                path.string(), failed.message()));
-    }
+    write_atomically(path, [&](const fs::path& temporary) { write_text_file(temporary, text); });
 }
 
 std::string study_json(const Study& study, const std::vector<Fact>& facts) {
