@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
+#include "host/imaging/parallel.hpp"
 #include "host/modelling/regions.hpp"
 
 namespace palpate {
@@ -52,16 +52,9 @@ Vec3 pulled_back(const Image<Vec3>& displacement, const Vec3& y) {
 
 template <typename Function>
 void for_each_slice(Index slices, const Function& function) {
-    const unsigned workers = std::max(1u, std::thread::hardware_concurrency());
-    std::vector<std::thread> threads;
-    for (unsigned w = 0; w < workers; ++w) {
-        threads.emplace_back([&, w] {
-            for (Index k = static_cast<Index>(w); k < slices; k += static_cast<Index>(workers)) {
-                function(k);
-            }
-        });
-    }
-    for (auto& thread : threads) thread.join();
+    parallel_for(static_cast<std::size_t>(slices), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) function(static_cast<Index>(k));
+    });
 }
 
 }  // namespace
