@@ -9,6 +9,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/partial_target_options.hpp"
+#include "host/cli/time_limit.hpp"
 #include "host/pipeline/recover.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
 #include "host/report/result_folder.hpp"
@@ -28,7 +29,7 @@ struct RecoverArguments {
     MesherArguments mesher;
     int max_iterations = MapOptions{}.max_iterations;
     double start_kpa = MapOptions{}.start_kpa;
-    double search_time_s = 0;
+    double search_time_s = 0, time_limit_s = 0;
     bool overwrite = false, quiet = false, keep_file_names = false;
 };
 
@@ -148,7 +149,8 @@ int run_recover(const RecoverArguments& arguments) {
         check_saved_reference_path(arguments.save_reduced, arguments.overwrite);
     }
     const RecoverOptions options = recover_options(arguments);
-    const auto progress = console_progress(arguments.quiet);
+    const TimeLimit limit(arguments.time_limit_s);
+    const auto progress = limit.watched(console_progress(arguments.quiet));
     return several ? recover_several(arguments, options, names, progress)
                    : recover_one(arguments, options, progress);
 }
@@ -222,6 +224,7 @@ void add_recover(CLI::App& app, Run& run) {
         ->capture_default_str();
     command->add_flag("--keep-file-names", arguments->keep_file_names,
                       "Write the names of the input files into the result");
+    add_time_limit_option(*command, arguments->time_limit_s);
     command->add_flag("--quiet", arguments->quiet, "No progress");
     add_mesher_options(*command, arguments->mesher);
     add_reduced_options(*command, *arguments);

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <cerrno>
+#include <csignal>
 #include <new>
+#include <system_error>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/memory_limit.hpp"
 #include "host/pipeline/version.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/large_blocks.hpp"
@@ -42,21 +46,33 @@ int parse_and_run(int argc, char** argv) {
         return fail(exit_code_of(palpate::ErrorCode::invalid_argument),
                     fmt::format("{}; see `palpate --help`", error.what()));
     }
+    palpate::prepare_for_memory_limit();
     return run();
+}
+
+int exit_code(int argc, char** argv) {
+    constexpr const char* out_of_memory =
+        "out of memory; use fewer --nodes or coarser label volumes";
+    const int out_of_memory_code = exit_code_of(palpate::ErrorCode::out_of_memory);
+    try {
+        return parse_and_run(argc, argv);
+    } catch (const palpate::Error& error) {
+        return fail(exit_code_of(error.code()), error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(out_of_memory_code, out_of_memory);
+    } catch (const std::system_error& error) {
+        const int reason = error.code().value();  // a thread that cannot be started
+        if (reason == EAGAIN || reason == ENOMEM) return fail(out_of_memory_code, out_of_memory);
+        return fail(1, fmt::format("internal error: {}; please report it", error.what()));
+    } catch (const std::exception& error) {
+        return fail(1, fmt::format("internal error: {}; please report it", error.what()));
+    }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     palpate::keep_large_blocks();
-    try {
-        return parse_and_run(argc, argv);
-    } catch (const palpate::Error& error) {
-        return fail(exit_code_of(error.code()), error.what());
-    } catch (const std::bad_alloc&) {
-        return fail(exit_code_of(palpate::ErrorCode::out_of_memory),
-                    "out of memory; use fewer --nodes or coarser label volumes");
-    } catch (const std::exception& error) {
-        return fail(1, fmt::format("internal error: {}; please report it", error.what()));
-    }
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of writing it
+    palpate::end_program(exit_code(argc, argv));
 }
