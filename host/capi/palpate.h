@@ -10,7 +10,8 @@
  * about it. Nothing throws, prints or exits. Arrays are the caller's and are copied, unless a
  * function says otherwise; numbers come back into arrays that the caller made. Structs begin with
  * their size, which their `_init` function sets with all defaults: a program that was compiled
- * against an older header goes on working.
+ * against an older header goes on working. A handle that was freed, or never was one, is answered
+ * with PALPATE_INVALID_ARGUMENT, 0, null or "", whatever it is given to.
  *
  * Different handles may be used from different threads at the same time; one handle from one thread
  * at a time. Not a medical device. */
@@ -99,7 +100,7 @@ PALPATE_API palpate_status palpate_solver_create(const palpate_model* model,
                                                  const palpate_solver_options* options,
                                                  palpate_solver** solver);
 /* Null is allowed. */
-PALPATE_API void palpate_solver_free(palpate_solver* solver);
+PALPATE_API palpate_status palpate_solver_free(palpate_solver* solver);
 /* New moduli [num_regions] for the same mesh. */
 PALPATE_API palpate_status palpate_solver_set_stiffness(palpate_solver* solver,
                                                         const double* stiffness_kpa);
@@ -167,7 +168,7 @@ PALPATE_API palpate_status palpate_recover_files(const char* reference_path,
                                                  const char* target_path,
                                                  const palpate_recover_options* options,
                                                  palpate_result** result);
-PALPATE_API void palpate_result_free(palpate_result* result);
+PALPATE_API palpate_status palpate_result_free(palpate_result* result);
 
 /* What is known about one region. Strings live as long as the result. */
 typedef struct palpate_region {
@@ -221,7 +222,7 @@ PALPATE_API void palpate_phantom_options_init(palpate_phantom_options* options);
 typedef struct palpate_phantom palpate_phantom;
 PALPATE_API palpate_status palpate_phantom_pelvis(const palpate_phantom_options* options,
                                                   palpate_phantom** phantom);
-PALPATE_API void palpate_phantom_free(palpate_phantom* phantom);
+PALPATE_API palpate_status palpate_phantom_free(palpate_phantom* phantom);
 /* Reference (0) or target (1): fills `labels` with views that live as long as the phantom. */
 PALPATE_API palpate_status palpate_phantom_labels(const palpate_phantom* phantom, int32_t state,
                                                   palpate_labels* labels);

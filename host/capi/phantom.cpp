@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "host/capi/guard.hpp"
+#include "host/capi/handles.hpp"
 #include "host/capi/solver_options.hpp"
 #include "host/phantom/pelvis.hpp"
 
@@ -56,17 +57,22 @@ palpate_status palpate_phantom_pelvis(const palpate_phantom_options* options,
         made->phantom = make_pelvis(pelvis, solver, mesher,
                                     capi::progress_sink(chosen.progress, chosen.progress_user));
         made->settings = to_toml(made->phantom.settings);
-        *phantom = made.release();
+        *phantom = capi::Handles<palpate_phantom>::all().keep(std::move(made));
         return PALPATE_OK;
     });
 }
 
-void palpate_phantom_free(palpate_phantom* phantom) { delete phantom; }
+palpate_status palpate_phantom_free(palpate_phantom* phantom) {
+    return guarded([&] {
+        capi::release(phantom, "the phantom");
+        return PALPATE_OK;
+    });
+}
 
 palpate_status palpate_phantom_labels(const palpate_phantom* phantom, std::int32_t state,
                                       palpate_labels* labels) {
     return guarded([&] {
-        require(phantom, "the phantom");
+        const auto held = capi::hold(phantom, "the phantom");
         require(labels, "the place for the labels");
         if (state != 0 && state != 1)
             throw Error(ErrorCode::invalid_argument,
@@ -94,5 +100,6 @@ palpate_status palpate_phantom_labels(const palpate_phantom* phantom, std::int32
 }
 
 const char* palpate_phantom_settings(const palpate_phantom* phantom) {
-    return phantom ? phantom->settings.c_str() : "";
+    const auto body = capi::found(phantom);
+    return body ? body->settings.c_str() : "";
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "host/capi/guard.hpp"
+#include "host/capi/handles.hpp"
 #include "host/capi/solver_options.hpp"
 #include "host/imaging/grid_check.hpp"
 #include "host/report/json_report.hpp"
@@ -16,6 +17,7 @@
 using namespace palpate;
 using capi::completed;
 using capi::guarded;
+using capi::hold;
 using capi::require;
 
 /// The handle.
@@ -88,7 +90,7 @@ palpate_status recovered(const palpate_recover_options* options, palpate_result*
         made->json = json_report(made->result);
         const bool converged = made->result.termination.converged;
         if (!converged) capi::last_error() = "the search did not converge";
-        *result = made.release();
+        *result = capi::Handles<palpate_result>::all().keep(std::move(made));
         return converged ? PALPATE_OK : PALPATE_NOT_CONVERGED;
     });
 }
@@ -128,21 +130,27 @@ palpate_status palpate_recover_files(const char* reference_path, const char* tar
     });
 }
 
-void palpate_result_free(palpate_result* result) { delete result; }
+palpate_status palpate_result_free(palpate_result* result) {
+    return guarded([&] {
+        capi::release(result, "the result");
+        return PALPATE_OK;
+    });
+}
 
 std::int32_t palpate_result_num_regions(const palpate_result* result) {
-    return result ? static_cast<std::int32_t>(result->result.regions.size()) : 0;
+    const auto body = capi::found(result);
+    return body ? static_cast<std::int32_t>(body->result.regions.size()) : 0;
 }
 
 palpate_status palpate_result_region(const palpate_result* result, std::int32_t index,
                                      palpate_region* region) {
     return guarded([&] {
-        require(result, "the result");
+        const auto held = hold(result, "the result");
         require(region, "the place for the region");
-        if (index < 0 || index >= palpate_result_num_regions(result))
+        const std::size_t count = result->result.regions.size();
+        if (index < 0 || static_cast<std::size_t>(index) >= count)
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("there is no region {}; there are {}", index,
-                                    palpate_result_num_regions(result)));
+                        fmt::format("there is no region {}; there are {}", index, count));
         const std::size_t size = region->struct_size;
         if (size < sizeof(std::size_t) || size > 4096)
             throw Error(ErrorCode::invalid_argument, "the region has no struct_size");
@@ -162,48 +170,57 @@ palpate_status palpate_result_region(const palpate_result* result, std::int32_t 
 }
 
 std::int32_t palpate_result_num_nodes(const palpate_result* result) {
-    return result ? result->result.mesh.mesh.num_nodes() : 0;
+    const auto body = capi::found(result);
+    return body ? body->result.mesh.mesh.num_nodes() : 0;
 }
 
 std::int32_t palpate_result_num_elements(const palpate_result* result) {
-    return result ? result->result.mesh.mesh.num_tets() : 0;
+    const auto body = capi::found(result);
+    return body ? body->result.mesh.mesh.num_tets() : 0;
 }
 
 const double* palpate_result_nodes(const palpate_result* result) {
-    return result ? result->result.mesh.mesh.nodes.front().data() : nullptr;
+    const auto body = capi::found(result);
+    return body ? body->result.mesh.mesh.nodes.front().data() : nullptr;
 }
 
 const double* palpate_result_displacement(const palpate_result* result) {
-    return result ? result->result.displacement.front().data() : nullptr;
+    const auto body = capi::found(result);
+    return body ? body->result.displacement.front().data() : nullptr;
 }
 
 const double* palpate_result_force(const palpate_result* result) {
-    return result ? result->result.force.front().data() : nullptr;
+    const auto body = capi::found(result);
+    return body ? body->result.force.front().data() : nullptr;
 }
 
 const std::int32_t* palpate_result_elements(const palpate_result* result) {
-    return result ? result->result.mesh.mesh.tets.front().data() : nullptr;
+    const auto body = capi::found(result);
+    return body ? body->result.mesh.mesh.tets.front().data() : nullptr;
 }
 
 const double* palpate_result_stiffness(const palpate_result* result) {
-    return result ? result->result.tet_stiffness_kpa.data() : nullptr;
+    const auto body = capi::found(result);
+    return body ? body->result.tet_stiffness_kpa.data() : nullptr;
 }
 
 const double* palpate_result_field(const palpate_result* result, std::int32_t size[3]) {
-    if (!result) return nullptr;
-    const Image<Vec3>& field = result->result.displacement_field;
+    const auto body = capi::found(result);
+    if (!body) return nullptr;
+    const Image<Vec3>& field = body->result.displacement_field;
     if (size)
         for (int i = 0; i < 3; ++i) size[i] = field.grid.size[i];
     return field.voxels.empty() ? nullptr : field.voxels.front().data();
 }
 
 const char* palpate_result_json(const palpate_result* result) {
-    return result ? result->json.c_str() : "";
+    const auto body = capi::found(result);
+    return body ? body->json.c_str() : "";
 }
 
 palpate_status palpate_result_write(const palpate_result* result, const char* folder) {
     return guarded([&] {
-        require(result, "the result");
+        const auto held = hold(result, "the result");
         require(folder, "the path of the folder");
         write_result(result->result, folder);
         return PALPATE_OK;

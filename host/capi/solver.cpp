@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/capi/guard.hpp"
+#include "host/capi/handles.hpp"
 #include "host/capi/solver_options.hpp"
 #include "solver/adjoint/adjoint.hpp"
 #include "solver/backend/registry.hpp"
@@ -14,6 +15,7 @@
 using namespace palpate;
 using capi::completed;
 using capi::guarded;
+using capi::hold;
 using capi::require;
 
 /// The handle.
@@ -147,16 +149,21 @@ palpate_status palpate_solver_create(const palpate_model* model,
         made->solver = make_linear_solver(made->model, capi::linear_solver_options(&chosen));
         made->stiffness = assemble_stiffness(made->model);
         made->description = describe(made->solver->describe());
-        *solver = made.release();
+        *solver = capi::Handles<palpate_solver>::all().keep(std::move(made));
         return PALPATE_OK;
     });
 }
 
-void palpate_solver_free(palpate_solver* solver) { delete solver; }
+palpate_status palpate_solver_free(palpate_solver* solver) {
+    return guarded([&] {
+        capi::release(solver, "the solver");
+        return PALPATE_OK;
+    });
+}
 
 palpate_status palpate_solver_set_stiffness(palpate_solver* solver, const double* stiffness_kpa) {
     return guarded([&] {
-        require(solver, "the solver");
+        const auto held = hold(solver, "the solver");
         require(stiffness_kpa, "the array of Young's moduli");
         Model model = solver->model;
         for (std::size_t r = 0; r < model.materials.size(); ++r)
@@ -172,7 +179,7 @@ palpate_status palpate_solver_set_stiffness(palpate_solver* solver, const double
 palpate_status palpate_solver_solve(palpate_solver* solver, const double* load,
                                     std::int32_t columns, double* displacement, double* reaction) {
     return guarded([&] {
-        require(solver, "the solver");
+        const auto held = hold(solver, "the solver");
         check_count(columns, "columns");
         require(displacement, "the place for the displacement");
         const Columns b = columns_at(*solver, load, columns, "the load");
@@ -198,7 +205,7 @@ palpate_status palpate_solver_gradient(palpate_solver* solver, const double* dis
                                        const double* slope, std::int32_t columns, double* by_load,
                                        double* by_stiffness) {
     return guarded([&] {
-        require(solver, "the solver");
+        const auto held = hold(solver, "the solver");
         check_count(columns, "columns");
         require(by_load, "the place for the gradient");
         const LoadGradient gradient =
@@ -215,7 +222,7 @@ palpate_status palpate_solver_gradient(palpate_solver* solver, const double* dis
 palpate_status palpate_solver_apply(palpate_solver* solver, const double* x, std::int32_t columns,
                                     double* y) {
     return guarded([&] {
-        require(solver, "the solver");
+        const auto held = hold(solver, "the solver");
         check_count(columns, "columns");
         require(x, "the displacement");
         require(y, "the place for the forces");
@@ -225,5 +232,6 @@ palpate_status palpate_solver_apply(palpate_solver* solver, const double* x, std
 }
 
 const char* palpate_solver_description(const palpate_solver* solver) {
-    return solver ? solver->description.c_str() : "";
+    const auto body = capi::found(solver);
+    return body ? body->description.c_str() : "";
 }

@@ -10,6 +10,7 @@
 #include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/partial_target_options.hpp"
+#include "host/cli/time_limit.hpp"
 #include "host/pipeline/recover.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
 #include "host/report/result_folder.hpp"
@@ -29,7 +30,7 @@ struct RecoverArguments {
     MesherArguments mesher;
     int max_iterations = MapOptions{}.max_iterations;
     double start_kpa = MapOptions{}.start_kpa;
-    double search_time_s = 0;
+    double search_time_s = 0, time_limit_s = 0;
     bool overwrite = false, quiet = false, keep_file_names = false;
 };
 
@@ -156,7 +157,8 @@ int run_recover(const RecoverArguments& arguments) {
     const RecoverOptions options = recover_options(arguments);
     will_write(arguments.out);
     will_write(arguments.save_reduced);
-    const auto progress = console_progress(arguments.quiet);
+    const TimeLimit limit(arguments.time_limit_s);
+    const auto progress = limit.watched(console_progress(arguments.quiet));
     return several ? recover_several(arguments, options, names, progress)
                    : recover_one(arguments, options, progress);
 }
@@ -228,9 +230,10 @@ void add_recover(CLI::App& app, Run& run) {
     command->add_option("--max-iterations", arguments->max_iterations, "Of the search")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    command->add_flag("--keep-file-names", arguments->keep_file_names,
-                      "Write the names of the input files into the result, and name the folders of "
-                      "several targets after them");
+    command->add_flag("--keep-file-names", arguments->keep_file_names, will_write(arguments.out);
+                      will_write(arguments.save_reduced);
+                      "Write the names of the input files into the result");
+    add_time_limit_option(*command, arguments->time_limit_s);
     command->add_flag("--quiet", arguments->quiet, "No progress");
     add_mesher_options(*command, arguments->mesher);
     add_reduced_options(*command, *arguments);

@@ -7,6 +7,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/interrupt.hpp"
+#include "host/cli/time_limit.hpp"
 #include "host/report/result_folder.hpp"
 #include "host/simulation/simulation_findings.hpp"
 #include "host/simulation/simulation_folder.hpp"
@@ -17,13 +18,15 @@ namespace {
 
 struct SimulateArguments {
     std::string model, out;
+    double time_limit_s = 0;
     bool overwrite = false, quiet = false;
 };
 
 int run_simulate(const SimulateArguments& arguments) {
     check_simulation_folder(arguments.out, arguments.overwrite);
     will_write(arguments.out);
-    const auto progress = console_progress(arguments.quiet);
+    const TimeLimit limit(arguments.time_limit_s);
+    const auto progress = limit.watched(console_progress(arguments.quiet));
     const SimulationResult result = run_simulation(read_simulation(arguments.model), progress);
     report_progress(progress, "writing", 0, "result folder");
     write_simulation(result, arguments.out, arguments.overwrite);
@@ -42,6 +45,7 @@ void add_simulate(CLI::App& app, Run& run) {
     command->add_option("model", arguments->model, "Mesh, tissues and loads (TOML)")->required();
     command->add_option("--out", arguments->out, "Result folder, made new")->required();
     command->add_flag("--overwrite", arguments->overwrite, "Replace an older result folder");
+    add_time_limit_option(*command, arguments->time_limit_s);
     command->add_flag("--quiet", arguments->quiet, "No progress");
     command->callback(
         [arguments, &run] { run = [arguments] { return run_simulate(*arguments); }; });

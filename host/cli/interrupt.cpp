@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host/cli/scratch.hpp"
-#include "host/imaging/files.hpp"
+#include "host/imaging/locked_folder.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr int patience_ms = 1300;  // for the work to unwind
 constexpr const char* last_words =
-    "palpate: stopped by a signal (Ctrl-C or SIGTERM); nothing half-written is left\n";
+    "stopped by a signal (Ctrl-C or SIGTERM); nothing half-written is left";
 
 // A signal handler has no other way to be told anything: all state of this file.
 std::atomic<int> num_signals{0};
@@ -71,12 +71,13 @@ void discard(const fs::path& path) {
 }
 
 void discard_unfinished_in(const fs::path& folder) {
+    const std::string mark = "unfinished-" + process_mark();
     std::error_code ignored;
     std::vector<fs::path> found;
     for (fs::directory_iterator it(folder, ignored), end; !ignored && it != end;
          it.increment(ignored)) {
-        if (it->path().filename().string().starts_with(unfinished_prefix()))
-            found.push_back(it->path());
+        const std::string name = it->path().filename().string();
+        if (name.starts_with('.') && name.find(mark) != name.npos) found.push_back(it->path());
     }
     for (const fs::path& path : found) discard(path);
 }
@@ -92,20 +93,10 @@ void discard_unfinished_outputs() {
     }
 }
 
-[[noreturn]] void end_from_outside() {
-    discard_unfinished_outputs();
-    remove_scratch();
-    const ssize_t ignored =
-        write(STDERR_FILENO, last_words, std::char_traits<char>::length(last_words));
-    (void)ignored;
-    _exit(exit_code_of(ErrorCode::cancelled));
-}
-
 void watch() {
     wait_for_signal(-1);
     wait_for_signal(patience_ms);
-    begin_to_end();
-    end_from_outside();
+    end_from_outside(Error(ErrorCode::cancelled, last_words));
 }
 
 void catch_one(int signal) {
@@ -131,9 +122,7 @@ void catch_interrupts() {
 bool is_interrupted() { return num_signals > 0; }
 
 void throw_if_interrupted() {
-    if (is_interrupted())
-        throw Error(ErrorCode::cancelled,
-                    "stopped by a signal (Ctrl-C or SIGTERM); nothing half-written is left");
+    if (is_interrupted()) throw Error(ErrorCode::cancelled, last_words);
 }
 
 void will_write(const fs::path& path) {
@@ -151,6 +140,16 @@ void will_write(const fs::path& path) {
 void begin_to_end() {
     if (!is_ending.test_and_set()) return;
     for (;;) pause();
+}
+
+void end_from_outside(const Error& reason) {
+    begin_to_end();
+    discard_unfinished_outputs();
+    remove_scratch();
+    const std::string sentence = std::string("palpate: ") + reason.what() + "\n";
+    const ssize_t ignored = write(STDERR_FILENO, sentence.data(), sentence.size());
+    (void)ignored;
+    _exit(exit_code_of(reason.code()));
 }
 
 ProgressSink interruptible(ProgressSink sink) {

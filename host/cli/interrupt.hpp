@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "solver/base/error.hpp"
 #include "solver/base/log.hpp"
 
 namespace palpate {
@@ -28,6 +29,10 @@ void will_write(const std::filesystem::path& path);
 /// To be called before the program says its last words: they are said once. Does not come back if
 /// the program is being ended from outside already.
 void begin_to_end();
+
+/// Ends the program from another thread, with this reason as its last words and exit code, after
+/// its unfinished files have been removed.
+[[noreturn]] void end_from_outside(const Error& reason);
 
 /// `sink`, and a throw at every report after a signal.
 ProgressSink interruptible(ProgressSink sink);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <fstream>
 #include <string>
 
@@ -17,27 +18,27 @@ namespace {
 bool make_durable(const std::filesystem::path& path) {
     const int file = open(path.c_str(), O_RDONLY);
     if (file < 0) return false;
-    const bool done = fsync(file) == 0;
+    int status = 0;
+    while ((status = fsync(file)) != 0 && errno == EINTR) {
+    }
+    const bool done = status == 0 || errno == EINVAL;  // EINVAL: a file system without fsync
     close(file);
     return done;
 }
 
+std::filesystem::path temporary_place() {
+    std::error_code error;
+    const std::filesystem::path place = std::filesystem::temp_directory_path(error);
+    if (error)
+        throw Error(ErrorCode::output_failed,
+                    "there is no folder for temporary files; set TMPDIR to a folder with space");
+    return place;
+}
+
 }  // namespace
 
-PrivateFolder::PrivateFolder() {
-    std::error_code error;
-    std::string name = (std::filesystem::temp_directory_path(error) / "palpate-XXXXXX").string();
-    if (error || !mkdtemp(name.data())) {
-        throw Error(ErrorCode::output_failed,
-                    "no temporary folder could be made; set TMPDIR to a folder with space");
-    }
-    path_ = name;
-}
-
-PrivateFolder::~PrivateFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
+PrivateFolder::PrivateFolder()
+    : folder_(temporary_place(), "palpate-private-", LockedFolder::Readers::owner) {}
 
 std::optional<std::string> why_unreadable(const std::filesystem::path& path) {
     std::error_code error;
@@ -48,16 +49,10 @@ std::optional<std::string> why_unreadable(const std::filesystem::path& path) {
     return std::nullopt;
 }
 
-std::string unfinished_prefix() {
-    char host[65] = "";
-    if (gethostname(host, sizeof host - 1) != 0) host[0] = 0;
-    return ".unfinished-" + std::string(host) + "-" + std::to_string(getpid()) + "-";
-}
-
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path& temporary)>& write) {
     static std::atomic<int> counter{0};
-    const std::string prefix = unfinished_prefix() + std::to_string(counter++) + "-";
+    const std::string prefix = ".unfinished-" + process_mark() + std::to_string(counter++) + "-";
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
     const std::filesystem::path temporary = folder / (prefix + path.filename().string());
     std::error_code error;
@@ -65,7 +60,7 @@ void write_atomically(const std::filesystem::path& path,
         write(temporary);
         if (!make_durable(temporary)) throw Error(ErrorCode::output_failed, "the disk refused it");
         std::filesystem::rename(temporary, path);
-        make_durable(folder);
+        if (!make_durable(folder)) throw Error(ErrorCode::output_failed, "the disk refused it");
     } catch (const std::exception& failure) {
         std::filesystem::remove(temporary, error);
         if (const auto* ours = dynamic_cast<const Error*>(&failure);

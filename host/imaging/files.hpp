@@ -7,29 +7,25 @@
 #include <optional>
 #include <string>
 
+#include "host/imaging/locked_folder.hpp"
+
 namespace palpate {
 
-/// A folder that only this user can read; removed with its content at the end.
-/// Throws Error(output_failed) if none can be made.
+/// A folder that only this user can read; removed with its content at the end, or by the next
+/// process that makes one, if this one is killed: volumes of patients may be in it. Throws
+/// Error(output_failed) if none can be made.
 class PrivateFolder {
 public:
     PrivateFolder();
-    ~PrivateFolder();
-    PrivateFolder(const PrivateFolder&) = delete;
-    PrivateFolder& operator=(const PrivateFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
+    const std::filesystem::path& path() const { return folder_.path(); }
 
 private:
-    std::filesystem::path path_;
+    LockedFolder folder_;
 };
 
 /// Why a file cannot be read, in words, or nothing if it can: missing, no file, empty, no
 /// permission.
 std::optional<std::string> why_unreadable(const std::filesystem::path& path);
-
-/// How the names of unfinished files and folders of this process begin:
-/// ".unfinished-<host>-<process>-". Whoever ends the process early knows them by it.
-std::string unfinished_prefix();
 
 /// Lets `write` write a temporary file in the folder of `path` (same ending), makes it durable and
 /// gives it its final name: a reader never sees half a file.

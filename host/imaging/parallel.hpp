@@ -22,7 +22,7 @@ void parallel_for(std::size_t count, const Body& body) {
         return;
     }
     std::vector<std::exception_ptr> errors(num_threads);
-    std::vector<std::thread> threads;
+    std::vector<std::jthread> threads;  // joined, too, when one cannot be started
     for (std::size_t t = 0; t < num_threads; ++t) {
         threads.emplace_back([&, t] {
             try {
@@ -32,7 +32,7 @@ void parallel_for(std::size_t count, const Body& body) {
             }
         });
     }
-    for (std::thread& thread : threads) thread.join();
+    for (std::jthread& thread : threads) thread.join();
     for (const std::exception_ptr& error : errors) {
         if (error) std::rethrow_exception(error);
     }

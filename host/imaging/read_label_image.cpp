@@ -26,8 +26,7 @@ LabelImage read_label_image(const std::filesystem::path& path, const ProgressSin
                             std::vector<std::string>* warnings) {
     CheckedVolume checked = preflight(path);
     if (warnings) *warnings = checked.warnings;
-    auto volume =
-        decode_volume<std::uint16_t>(path, std::move(checked), label_from, progress);
+    auto volume = decode_volume<std::uint16_t>(path, std::move(checked), label_from, progress);
     return {volume.grid, std::move(volume.values)};
 }
 

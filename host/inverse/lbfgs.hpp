@@ -18,6 +18,9 @@ struct LbfgsOptions {
 struct LbfgsResult {
     Eigen::VectorXd x;  ///< the lowest point that was evaluated
     double value = 0;
+    /// How far a step of minus the gradient leads within the bounds, at `x` and at the start. The
+    /// library's word that it converged is not trusted where it did not move and this is large.
+    double gradient = 0, start_gradient = 0;
     int evaluations = 0;
     bool converged = false;
     std::string reason;  ///< why it stopped, one clause
@@ -28,7 +31,9 @@ using DifferentiableFunction =
     std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd& gradient)>;
 
 /// Limited-memory BFGS of NLopt (LD_LBFGS), started at `x` with a step of minus the gradient: scale
-/// the function so that this is a sensible first step. Exceptions of `function` come through.
+/// the function so that this is a sensible first step. Where value or gradient are not finite the
+/// search turns back. Exceptions of `function` come through. Throws Error(solve_failed) if nothing
+/// is finite at the start or beside it, Error(invalid_argument) for a start out of bounds.
 LbfgsResult minimise_lbfgs(const DifferentiableFunction& function, const Eigen::VectorXd& x,
                            const LbfgsOptions& options);
 

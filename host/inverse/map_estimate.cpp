@@ -12,6 +12,7 @@
 #include "host/inverse/modulus_search.hpp"
 #include "host/inverse/surface_noise.hpp"
 #include "host/inverse/uncertainty.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -326,6 +327,11 @@ MapEstimate Search::iterate(State state, bool is_scanned) {
         }
         if (!improved) state = recounted(blind_step(state, best));
     }
+    if (!std::isfinite(state.objective))
+        throw Error(
+            ErrorCode::solve_failed,
+            "the search ended where the objective is not a finite number; check the settings "
+            "for extreme values");
     return finish(state, termination);
 }
 

@@ -18,6 +18,32 @@ struct ModulusPrior {
     double sd_ln = 1;
 };
 
+/// What a search for moduli minimises, as a function of theta = ln E of the unknown regions, in the
+/// order of the priors.
+class ModulusObjective {
+public:
+    struct Evaluation {
+        double objective = 0;        ///< F
+        double log_determinant = 0;  ///< ln det C, part of F
+        Eigen::VectorXd gradient;    ///< dF/dtheta [num unknown], zero if not asked for
+    };
+    struct Fit {
+        Eigen::VectorXd driven;      ///< most probable u_d at theta [driven_dofs]
+        double weighted_misfit = 0;  ///< r^T R^-1 r of the observed residual r = R C^-1 e there
+        double effective_rows = 0;   ///< trace of R C^-1: rows that the fit does not use up
+    };
+
+    virtual ~ModulusObjective() = default;
+    virtual Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const = 0;
+    /// F alone at several theta.
+    virtual std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const = 0;
+    virtual Fit fit(const Eigen::VectorXd& theta) const = 0;
+    /// Of F [num unknown, num unknown], symmetric.
+    virtual Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const = 0;
+    virtual const std::vector<ModulusPrior>& priors() const = 0;
+    Index num_unknown() const { return static_cast<Index>(priors().size()); }
+};
+
 /// The inverse problem with the surface distances linearised at one driven displacement, and the
 /// driven displacement integrated out.
 ///
@@ -30,7 +56,7 @@ struct ModulusPrior {
 /// J N (m - u_d*) - G_o V S^-1 g). The determinant is what a joint minimum over (u_d, theta) lacks:
 /// without it soft tissue, which can follow any noise, is always preferred and the modulus comes
 /// out too low.
-class LinearisedProblem {
+class LinearisedProblem : public ModulusObjective {
 public:
     /// `driven` [driven_dofs] and `observed` [observed_dofs]: the displacement at which `rows` are
     /// linearised. `model` and `prior` must outlive this object.
@@ -38,43 +64,31 @@ public:
                       const std::vector<LinearRow>& rows, const Eigen::VectorXd& driven,
                       const Eigen::VectorXd& observed, const std::vector<ModulusPrior>& priors);
 
-    struct Evaluation {
-        double objective = 0;        ///< F
-        double log_determinant = 0;  ///< ln det C, part of F
-        Eigen::VectorXd gradient;    ///< dF/dtheta [num unknown], zero if not asked for
-    };
-    struct Fit {
-        Eigen::VectorXd driven;      ///< most probable u_d at theta [driven_dofs]
-        double weighted_misfit = 0;  ///< r^T R^-1 r of the observed residual r = R C^-1 e there
-        double effective_rows = 0;   ///< trace of R C^-1: rows that the fit does not use up
-    };
-
-    /// theta: ln E of the unknown regions, in the order of the priors. F is infinite where the
-    /// mechanics are not stable: mechanics linearised at a deformed state are near it.
-    Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const;
-    /// F alone at several theta, on all cores.
-    std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const;
-    Fit fit(const Eigen::VectorXd& theta) const;
+    /// F is infinite where the mechanics are not stable: mechanics linearised at a deformed state
+    /// are near it.
+    Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const override;
+    /// On all cores.
+    std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const override;
+    Fit fit(const Eigen::VectorXd& theta) const override;
     /// F less the prior of the moduli: minus the log likelihood of the observed rows.
     std::vector<double> misfits(const std::vector<Eigen::VectorXd>& thetas) const;
     /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
     /// at theta, all data seen; functionals [driven_dofs, n].
     Eigen::MatrixXd motion_covariance(const Eigen::VectorXd& theta,
                                       const Eigen::MatrixXd& functionals) const;
-    /// Central differences of the gradient [num unknown, num unknown], symmetrised.
-    Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const;
+    /// Central differences of the gradient, symmetrised.
+    Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const override;
 
     /// What the motion that is seen says of ln E [num unknown, num unknown]: D^T C^-1 D with
     /// D = d(J c)/dtheta at the most probable wall motion c. It is a part of the curvature of F;
     /// the other part rests on the spread of motions that nobody saw, that is on their prior.
     Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const;
 
-    Index num_unknown() const { return static_cast<Index>(priors_.size()); }
     /// Of the free wall motion: how many combinations of functionals the walls leave open.
     Index rank() const { return static_cast<Index>(spread_root_.cols()); }
     Index num_observed_rows() const { return num_rows_; }
     double noise_log_determinant() const { return noise_log_determinant_; }  ///< ln det R
-    const std::vector<ModulusPrior>& priors() const { return priors_; }
+    const std::vector<ModulusPrior>& priors() const override { return priors_; }
 
 private:
     struct Response;

@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "solver/base/error.hpp"
+
 namespace palpate {
 namespace {
 
@@ -26,6 +28,17 @@ Eigen::MatrixXd made_definite(const Eigen::MatrixXd& hessian,
     }
     const Eigen::VectorXd values = eigen.eigenvalues().cwiseAbs().cwiseMax(0.1 * smallest);
     return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+Eigen::MatrixXd prior_hessian(const std::vector<ModulusPrior>& priors) {
+    Eigen::VectorXd curvature(static_cast<Eigen::Index>(priors.size()));
+    for (Eigen::Index k = 0; k < curvature.size(); ++k)
+        curvature[k] = 1 / (priors[k].sd_ln * priors[k].sd_ln);
+    return curvature.asDiagonal();
+}
+
+bool is_finite(const ModulusObjective::Evaluation& evaluation) {
+    return std::isfinite(evaluation.objective) && evaluation.gradient.allFinite();
 }
 
 Eigen::VectorXd clamped(const Eigen::VectorXd& theta, const ModulusBounds& bounds) {
@@ -48,7 +61,7 @@ ModulusBounds same_bounds(Index num_unknown, double lower_ln, double upper_ln) {
             Eigen::VectorXd::Constant(num_unknown, upper_ln)};
 }
 
-Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBounds& bounds) {
+Eigen::VectorXd scan_moduli(const ModulusObjective& problem, const ModulusBounds& bounds) {
     const auto& priors = problem.priors();
     const Index n = problem.num_unknown();
     Eigen::VectorXd best(n);
@@ -58,7 +71,7 @@ Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBound
     const auto offer = [&](const std::vector<Eigen::VectorXd>& points) {
         const std::vector<double> values = problem.objectives(points);
         for (std::size_t p = 0; p < points.size(); ++p) {
-            if (values[p] >= best_value) continue;
+            if (!(values[p] < best_value)) continue;  // nor if it is no number
             best_value = values[p];
             best = points[p];
         }
@@ -83,15 +96,21 @@ Eigen::VectorXd scan_moduli(const LinearisedProblem& problem, const ModulusBound
     return best;
 }
 
-ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::VectorXd& start,
+ModulusMinimum minimise_moduli(const ModulusObjective& problem, const Eigen::VectorXd& start,
                                const ModulusBounds& bounds, const Eigen::MatrixXd& hessian) {
     ModulusMinimum minimum;
     minimum.theta = start;
     auto here = problem.evaluate(start, true);
+    if (!is_finite(here))
+        throw Error(
+            ErrorCode::solve_failed,
+            "the objective is not a finite number where the search for moduli starts; check "
+            "the settings for extreme values, or give another --start-kpa");
     minimum.start_log_determinant = here.log_determinant;
     const int most = problem.num_unknown() == 0 ? 0 : most_steps;
     minimum.hessian = hessian.size() > 0 ? hessian : problem.hessian(start);
     for (; minimum.steps < most; ++minimum.steps) {
+        if (!minimum.hessian.allFinite()) minimum.hessian = prior_hessian(problem.priors());
         const Eigen::MatrixXd safe = made_definite(minimum.hessian, problem.priors());
         Eigen::VectorXd step = -safe.llt().solve(here.gradient);
         minimum.gradient_norm = std::sqrt(std::max(0.0, -here.gradient.dot(step)));
@@ -101,12 +120,13 @@ ModulusMinimum minimise_moduli(const LinearisedProblem& problem, const Eigen::Ve
         double t = 1.0;
         Eigen::VectorXd next = clamped(minimum.theta + step, bounds);
         auto there = problem.evaluate(next, true);
-        while (t > 1e-3 && there.objective > here.objective) {
+        while (t > 1e-3 && !(is_finite(there) && there.objective <= here.objective)) {
             t *= 0.5;
             next = clamped(minimum.theta + t * step, bounds);
             there = problem.evaluate(next, true);
         }
-        if (t <= 1e-3 || (next - minimum.theta).cwiseAbs().maxCoeff() < 1e-9) break;
+        if (!is_finite(there) || t <= 1e-3 || (next - minimum.theta).cwiseAbs().maxCoeff() < 1e-9)
+            break;
         update_hessian(next - minimum.theta, there.gradient - here.gradient, minimum.hessian);
         minimum.theta = next;
         here = std::move(there);

@@ -208,19 +208,4 @@ ChildResult run_child(const std::filesystem::path& program,
     return result;
 }
 
-TemporaryFolder::TemporaryFolder() {
-    std::error_code error;
-    const auto base = std::filesystem::temp_directory_path(error);
-    std::string name = ((error ? std::filesystem::path("/tmp") : base) / "palpate-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-        throw Error(ErrorCode::output_failed, "cannot make a temporary folder '" + name +
-                                                  "': set TMPDIR to a writable folder");
-    path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
-
 }  // namespace palpate

@@ -33,19 +33,4 @@ ChildResult run_child(const std::filesystem::path& program,
                       const std::vector<std::string>& arguments, const ChildLimits& limits,
                       const std::function<void(double seconds)>& tick = {});
 
-/// A private folder (mode 0700) under the system's folder for temporary files, removed with all it
-/// holds. Throws Error(output_failed).
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
-
 }  // namespace palpate

@@ -11,6 +11,7 @@
 #include <functional>
 #include <sstream>
 
+#include "host/imaging/files.hpp"
 #include "host/meshing/child_process.hpp"
 #include "host/meshing/exchange.hpp"
 #include "host/meshing/mesh_checks.hpp"
@@ -82,7 +83,7 @@ std::string why_child_failed(const ChildResult& result, const MesherOptions& opt
 
 /// Runs one mesher on a job and returns what it wrote.
 Exchange run_mesher(const Request& request, const std::string& mesher, const Exchange& job) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const auto job_path = folder.path() / "job", reply_path = folder.path() / "reply";
     job.write(job_path);
     const ChildResult result = run_child(

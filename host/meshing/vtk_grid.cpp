@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/meshing/vtk_grid.hpp"
 
+#include <vtkErrorCode.h>
 #include <vtkFieldData.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
@@ -75,9 +76,11 @@ void write_vtk_grid(const fs::path& path, vtkUnstructuredGrid& grid) {
     writer->SetDataModeToAppended();
     writer->EncodeAppendedDataOff();
     writer->SetCompressorTypeToZLib();
-    if (writer->Write() != 1 || messages.any())
+    if (writer->Write() != 1 || messages.any() || writer->GetErrorCode() != 0)
         throw Error(ErrorCode::output_failed,
-                    "cannot write the mesh '" + path.string() + "': " + messages.last());
+                    "cannot write the mesh '" + path.filename().string() +
+                        "': " + vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()) +
+                        "; check free space and permissions");
 }
 
 vtkSmartPointer<vtkDoubleArray> vtk_array(const std::string& name,

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
+#include "host/imaging/locked_folder.hpp"
 #include "host/phantom/pelvis.hpp"
 #include "solver/base/error.hpp"
 
@@ -169,26 +169,6 @@ void write_files(const PelvisPhantom& phantom, const PelvisOptions& options,
     sync_to_disk(folder);
 }
 
-/// Where the files are put together; removed again unless it was moved to its final name.
-class TemporaryFolder {
-public:
-    explicit TemporaryFolder(const fs::path& folder)
-        : path_(folder.parent_path() / (unfinished_prefix() + "phantom")) {
-        fs::create_directories(folder.parent_path());
-        fs::create_directory(path_);
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    const fs::path& path() const { return path_; }
-
-private:
-    fs::path path_;
-};
-
 }  // namespace
 
 void write_pelvis(const PelvisPhantom& phantom, const PelvisOptions& options,
@@ -200,9 +180,13 @@ void write_pelvis(const PelvisPhantom& phantom, const PelvisOptions& options,
             throw Error(ErrorCode::output_failed,
                         "The folder " + folder.string() + " exists already; name a new one.");
         }
-        const TemporaryFolder temporary(final_path);
+        fs::create_directories(final_path.parent_path());
+        LockedFolder temporary(final_path.parent_path(),
+                               "." + final_path.filename().string() + ".unfinished-",
+                               LockedFolder::Readers::everybody);
         write_files(phantom, options, temporary.path());
         fs::rename(temporary.path(), final_path);
+        temporary.keep();
         sync_to_disk(final_path.parent_path());
     } catch (const fs::filesystem_error& error) {
         throw Error(ErrorCode::output_failed,

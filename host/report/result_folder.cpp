@@ -11,10 +11,11 @@
 #include <cstdio>
 #include <cstring>
 #include <future>
-#include <random>
+#include <string_view>
 
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
+#include "host/imaging/locked_folder.hpp"
 #include "host/report/html_report.hpp"
 #include "host/report/json_report.hpp"
 #include "host/report/text_report.hpp"
@@ -39,9 +40,24 @@ namespace {
 void sync_to_disk(const fs::path& path) {
     const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) fail_with_errno(path, "cannot be opened again to bring it to disk");
-    const bool good = ::fsync(fd) == 0 || errno == EINVAL;  // EINVAL: a file system without fsync
+    int status = 0;
+    while ((status = ::fsync(fd)) != 0 && errno == EINTR) {
+    }
+    const int reason = errno;
     ::close(fd);
+    errno = reason;
+    const bool good = status == 0 || reason == EINVAL;  // EINVAL: a file system without fsync
     if (!good) fail_with_errno(path, "cannot be brought to disk");
+}
+
+/// False, with errno, if not every byte could be written.
+bool write_all(int file, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t written = ::write(file, text.data(), text.size());
+        if (written < 0 && errno != EINTR) return false;
+        if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return true;
 }
 
 void sync_tree_to_disk(const fs::path& folder) {
@@ -56,35 +72,6 @@ fs::path resolved(const fs::path& folder) {
     if (path == path.root_path()) fail(folder, "not a folder that can be made", "choose another");
     return path;
 }
-
-/// A folder that is removed again unless `keep` is called.
-class TemporaryFolder {
-public:
-    explicit TemporaryFolder(const fs::path& target) {
-        std::random_device random;
-        for (int attempt = 0; attempt < 100; ++attempt) {
-            path_ = target.parent_path() / fmt::format("{}{:08x}", unfinished_prefix(), random());
-            if (::mkdir(path_.c_str(), 0777) == 0) return;
-            if (errno != EEXIST) break;
-        }
-        const int reason = errno;
-        path_.clear();
-        errno = reason;
-        fail_with_errno(target, "cannot be made");
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        if (!path_.empty()) fs::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-    const fs::path& path() const { return path_; }
-    void keep() { path_.clear(); }
-
-private:
-    fs::path path_;
-};
 
 /// Missing parents of the target; those that were made are removed again unless `keep` is called.
 class Parents {
@@ -142,6 +129,11 @@ void with_clear_errors(const fs::path& folder, const Action& action) {
     }
 }
 
+/// Of the hidden folders in which results for `target` are put together.
+std::string unfinished_prefix(const fs::path& target) {
+    return fmt::format(".{}.unfinished-", target.filename().string());
+}
+
 void write_folder(const fs::path& folder, bool overwrite,
                   const std::function<void(const fs::path&)>& fill) {
     const fs::path target = resolved(folder);
@@ -149,7 +141,8 @@ void write_folder(const fs::path& folder, bool overwrite,
     if (replaces && !overwrite)
         fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
     Parents parents(target);
-    TemporaryFolder temporary(target);
+    LockedFolder temporary(target.parent_path(), unfinished_prefix(target),
+                           LockedFolder::Readers::everybody);
     fill(temporary.path());
     sync_tree_to_disk(temporary.path());
     if (replaces) {
@@ -207,11 +200,12 @@ void write_folder_atomically(const fs::path& folder, bool overwrite,
 }
 
 void write_text_file(const fs::path& path, const std::string& text) {
-    std::FILE* file = std::fopen(path.c_str(), "wbx");
-    if (!file) fail_with_errno(path.filename(), "cannot be made");
-    const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0) fail_with_errno(path.filename(), "cannot be made");
+    const bool written = write_all(file, text);
     const int reason = errno;
-    if (std::fclose(file) == 0 && written) return;
+    const bool closed = ::close(file) == 0;
+    if (written && closed) return;
     if (!written) errno = reason;
     fail_with_errno(path.filename(), "cannot be written");
 }

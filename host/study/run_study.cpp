@@ -54,11 +54,11 @@ public:
         write_rows();
         std::optional<SerialBlas> serial;  // cases side by side leave it no core of its own
         if (options_.jobs > 1) serial.emplace();
-        std::vector<std::thread> threads;
+        std::vector<std::jthread> threads;
         for (int t = 1; t < std::min<int>(options_.jobs, int(waiting_.size())); ++t)
             threads.emplace_back([this] { work(); });
         work();
-        for (std::thread& thread : threads) thread.join();
+        for (std::jthread& thread : threads) thread.join();
         if (error_) std::rethrow_exception(error_);
         return summary();
     }

@@ -70,7 +70,7 @@ void check_may_write(const fs::path& folder) {
 }  // namespace
 
 void replace_file(const fs::path& path, const std::string& text) {
-    write_atomically(path, [&](const fs::path& unfinished) { write_text_file(unfinished, text); });
+    write_atomically(path, [&](const fs::path& temporary) { write_text_file(temporary, text); });
 }
 
 std::string study_json(const Study& study, const std::vector<Fact>& facts) {

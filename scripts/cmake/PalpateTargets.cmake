@@ -6,9 +6,9 @@ add_library(palpate_options INTERFACE)
 target_include_directories(palpate_options INTERFACE "${CMAKE_SOURCE_DIR}")
 target_compile_options(palpate_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
 if(PALPATE_SANITIZE)
-  target_compile_options(palpate_options INTERFACE -fsanitize=address,undefined
+  target_compile_options(palpate_options INTERFACE -fsanitize=${PALPATE_SANITIZE}
                                                    -fno-omit-frame-pointer)
-  target_link_options(palpate_options INTERFACE -fsanitize=address,undefined)
+  target_link_options(palpate_options INTERFACE -fsanitize=${PALPATE_SANITIZE})
 endif()
 # Eigen's dense algebra runs on BLAS everywhere: one definition of its templates in the whole program.
 target_compile_definitions(palpate_options INTERFACE EIGEN_USE_BLAS)

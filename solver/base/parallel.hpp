@@ -34,10 +34,10 @@ void parallel_ranges(Index count, Index smallest_part, Work&& work) {
             failures[part] = std::current_exception();
         }
     };
-    std::vector<std::thread> threads;
+    std::vector<std::jthread> threads;  // joined, too, when one cannot be started
     for (Index part = 1; part < parts; ++part) threads.emplace_back(run, part);
     run(0);
-    for (std::thread& thread : threads) thread.join();
+    for (std::jthread& thread : threads) thread.join();
     for (const std::exception_ptr& failure : failures)
         if (failure) std::rethrow_exception(failure);
 }

@@ -100,6 +100,9 @@ EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, dou
         state.residual[d] = force_at(d, load) - state.inner.force[d];
         state.total_energy -= force_at(d, load) * u[d];
     }
+    // What overflows is no state to go on from, as little as one in which matter is inverted.
+    if (!std::isfinite(state.total_energy) || !state.residual.allFinite())
+        state.inner.is_valid = false;
     return state;
 }
 

@@ -4,6 +4,7 @@
 
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +12,9 @@
 #include <filesystem>
 #include <mutex>
 #include <string>
+#include <vector>
+
+#include "solver/backends/opencl/program_file.hpp"
 
 namespace palpate {
 namespace {
@@ -51,17 +55,40 @@ void remove_folders_left_behind(const fs::path& parent) {
     }
 }
 
+/// PoCL brings every file to disk, which takes a third of a second on a busy one: better a file
+/// system in memory, if it has room and lets code be loaded from it.
+bool is_good_memory(const char* path) {
+    constexpr unsigned long long enough = 64ull << 20;
+    struct statvfs system {};
+    return statvfs(path, &system) == 0 && !(system.f_flag & ST_NOEXEC) &&
+           1ull * system.f_bavail * system.f_frsize >= enough;
+}
+
+/// Where a private folder may be made, best first.
+std::vector<fs::path> places() {
+    std::vector<fs::path> found;
+    if (is_good_memory("/dev/shm")) found.push_back("/dev/shm");
+    std::error_code failed;
+    const fs::path usual = fs::temp_directory_path(failed);
+    if (!failed) found.push_back(usual);
+    for (const char* other : {"/tmp", "/var/tmp"}) found.push_back(other);
+    if (const fs::path cache = default_cache_folder(); !cache.empty()) found.push_back(cache);
+    return found;
+}
+
 void make_private_folder() {
     if (getenv("POCL_CACHE_DIR")) return;
-    std::error_code failed;
-    const fs::path parent = fs::temp_directory_path(failed);
-    if (failed) return;
-    remove_folders_left_behind(parent);
-    std::string path = (parent / (folder_prefix + std::to_string(getpid()) + "-XXXXXX")).string();
-    if (!mkdtemp(path.data())) return;  // PoCL then uses its own default
-    private_folder() = {path, getpid()};
-    setenv("POCL_CACHE_DIR", path.c_str(), 1);
+    for (const fs::path& parent : places()) {
+        remove_folders_left_behind(parent);
+        if (!private_folder().path.empty()) continue;
+        std::string path =
+            (parent / (folder_prefix + std::to_string(getpid()) + "-XXXXXX")).string();
+        if (mkdtemp(path.data())) private_folder() = {path, getpid()};
+    }
+    if (private_folder().path.empty()) return;  // PoCL then uses its own default
+    setenv("POCL_CACHE_DIR", private_folder().path.c_str(), 1);
     std::atexit(remove_private_folder);
+    std::at_quick_exit(remove_private_folder);
 }
 
 }  // namespace

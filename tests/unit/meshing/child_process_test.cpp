@@ -10,6 +10,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "host/imaging/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -94,10 +95,10 @@ TEST(ChildProcess, says_that_a_program_does_not_exist) {
     }
 }
 
-TEST(TemporaryFolder, is_private_and_removed_with_its_files) {
+TEST(PrivateFolder, is_private_and_removed_with_its_files) {
     std::filesystem::path path;
     {
-        const TemporaryFolder folder;
+        const PrivateFolder folder;
         path = folder.path();
         std::ofstream(path / "file") << "x";
         EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms::owner_all);

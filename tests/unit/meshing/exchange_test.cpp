@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "host/meshing/child_process.hpp"
+#include "host/imaging/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -33,7 +33,7 @@ void put(const std::filesystem::path& path, const std::string& bytes) {
 }
 
 TEST(Exchange, returns_what_was_written) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const auto path = folder.path() / "a";
     sample().write(path);
     const Exchange back = Exchange::read(path);
@@ -52,7 +52,7 @@ TEST(Exchange, refuses_an_array_of_another_type_or_width) {
 }
 
 TEST(Exchange, refuses_a_file_cut_at_any_byte) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const auto path = folder.path() / "a";
     sample().write(path);
     const std::string whole = bytes_of(path);
@@ -65,7 +65,7 @@ TEST(Exchange, refuses_a_file_cut_at_any_byte) {
 }
 
 TEST(Exchange, survives_any_damaged_byte) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const auto path = folder.path() / "a";
     sample().write(path);
     const std::string whole = bytes_of(path);

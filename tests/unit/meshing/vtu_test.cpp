@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "host/meshing/child_process.hpp"
+#include "host/imaging/files.hpp"
 #include "host/meshing/io.hpp"
 #include "solver/base/error.hpp"
 
@@ -45,7 +45,7 @@ fs::path data(const std::string& name) {
 const char* legacy_head = "# vtk DataFile Version 3.0\nmesh\nASCII\nDATASET UNSTRUCTURED_GRID\n";
 
 TEST(Vtu, returns_the_mesh_and_its_arrays_bit_for_bit) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const fs::path path = folder.path() / "mesh.vtu";
     const Mesh mesh = two_tets();
     MeshArrays arrays;
@@ -65,7 +65,7 @@ TEST(Vtu, returns_the_mesh_and_its_arrays_bit_for_bit) {
 }
 
 TEST(Vtu, says_lps_and_holds_compressed_appended_data) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     write_vtu(folder.path() / "mesh.vtu", two_tets(), {});
     const std::string text = bytes_of(folder.path() / "mesh.vtu");
     EXPECT_NE(text.find("Name=\"SPACE\""), std::string::npos);
@@ -89,7 +89,7 @@ TEST(Vtu, says_that_a_folder_does_not_exist) {
 }
 
 TEST(Vtu, refuses_missing_and_empty_files_and_other_names) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     EXPECT_EQ(code_of(folder.path() / "absent.vtu"), ErrorCode::input_unreadable);
     EXPECT_EQ(code_of(folder.path()), ErrorCode::input_unreadable);
     std::ofstream(folder.path() / "empty.vtu");
@@ -99,7 +99,7 @@ TEST(Vtu, refuses_missing_and_empty_files_and_other_names) {
 }
 
 TEST(Vtu, refuses_a_file_cut_at_any_place_without_printing) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const fs::path path = folder.path() / "mesh.vtu";
     write_vtu(path, two_tets(), {});
     const std::string whole = bytes_of(path);
@@ -114,7 +114,7 @@ TEST(Vtu, refuses_a_file_cut_at_any_place_without_printing) {
 }
 
 TEST(Vtu, turns_inverted_tets_and_drops_nodes_without_a_tet) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const fs::path path = folder.path() / "mesh.vtk";
     std::ofstream(path) << legacy_head
                         << "POINTS 5 double\n9 9 9 0 0 0 1 0 0 0 1 0 0 0 1\n"
@@ -131,7 +131,7 @@ TEST(Vtu, turns_inverted_tets_and_drops_nodes_without_a_tet) {
 }
 
 TEST(Vtu, refuses_nodes_out_of_range_flat_tets_and_fractional_labels) {
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     const fs::path path = folder.path() / "mesh.vtk";
     const auto code = [&](const std::string& points, const std::string& cell,
                           const std::string& label) {
@@ -180,7 +180,7 @@ TEST(Vtu, reads_a_real_vtu_once_it_has_labels) {
     if (const std::size_t old = text.find("<CellData"); old != std::string::npos)
         GTEST_SKIP() << "the file has cell data of its own";
     text.insert(at + end_of_cells.size(), labels + "</DataArray></CellData>");
-    const TemporaryFolder folder;
+    const PrivateFolder folder;
     std::ofstream(folder.path() / "tongue.vtu", std::ios::binary) << text;
     const Mesh mesh = read_vtu(folder.path() / "tongue.vtu");
     EXPECT_EQ(mesh.num_nodes(), 2238);

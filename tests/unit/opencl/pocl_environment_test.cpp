@@ -50,10 +50,16 @@ TEST_F(PoclEnvironmentTest, CacheIsPrivateToTheProcessAndGoneAtExit) {
     const std::string first = seen_with("").folder;
     const std::string second = seen_with("").folder;
 
-    EXPECT_EQ(first.rfind((temp / "palpate-pocl-").string(), 0), 0u) << first;
-    EXPECT_EQ(second.rfind((temp / "palpate-pocl-").string(), 0), 0u) << second;
+    EXPECT_EQ(fs::path(first).filename().string().rfind("palpate-pocl-", 0), 0u) << first;
     EXPECT_NE(first, second);
+    EXPECT_FALSE(fs::exists(first) || fs::exists(second));
     EXPECT_TRUE(fs::is_empty(temp)) << "a folder of this or of a dead process was left";
+}
+
+TEST_F(PoclEnvironmentTest, CacheIsPrivateWithoutATemporaryFolderToo) {
+    const std::string folder = seen_with("TMPDIR=" + (temp / "gone").string()).folder;
+
+    EXPECT_EQ(fs::path(folder).filename().string().rfind("palpate-pocl-", 0), 0u) << folder;
 }
 
 TEST_F(PoclEnvironmentTest, KernelsAreNotCompiledAgainAtTheirFirstLaunch) {

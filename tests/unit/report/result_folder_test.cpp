@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/imaging/io.hpp"
+#include "host/imaging/locked_folder.hpp"
 #include "host/meshing/io.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
@@ -196,6 +197,19 @@ TEST_F(ResultFolder, OfSeveralTargetsIsUsedAgainOnlyWhenAskedAndKeepsWhatIsNotIt
     EXPECT_TRUE(holds(check({"one", "two"}, true), "no result.json"));
     EXPECT_EQ(content_of(folder / "out" / "targets.csv"), "second\n");
     EXPECT_EQ(names_in(folder / "out"), "notes.txt targets.csv two");
+}
+
+TEST_F(ResultFolder, RemovesWhatAKilledRunLeftBehindButNotWhatAnotherOneWrites) {
+    std::filesystem::create_directories(folder / ".out.unfinished-0badcafe" / "deep");
+    std::filesystem::create_directories(folder / ".other.unfinished-0badcafe");
+    const LockedFolder of_another(folder, ".out.unfinished-", LockedFolder::Readers::everybody);
+
+    write_folder_atomically(folder / "out", false, write_note);
+
+    EXPECT_FALSE(std::filesystem::exists(folder / ".out.unfinished-0badcafe"));
+    EXPECT_TRUE(std::filesystem::exists(folder / ".other.unfinished-0badcafe"));
+    EXPECT_TRUE(std::filesystem::exists(of_another.path()));
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / "result.json"));
 }
 
 TEST_F(ResultFolder, OfOneTargetIsNotTakenForSeveral) {

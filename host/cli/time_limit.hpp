@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "solver/base/log.hpp"
+
+namespace palpate {
+
+/// Ends a command that takes too long: by Error(time_limit) at its next sign of progress, or, a
+/// second later, by ending the process with the same sentence and exit code: a device that hangs
+/// gives no sign. Nothing half-written stays: results get their names in one step.
+class TimeLimit {
+public:
+    /// 0: none.
+    explicit TimeLimit(double seconds);
+    ~TimeLimit();
+    TimeLimit(const TimeLimit&) = delete;
+    TimeLimit& operator=(const TimeLimit&) = delete;
+
+    /// `inner`, which may be empty, and the limit.
+    ProgressSink watched(ProgressSink inner) const;
+
+private:
+    using Clock = std::chrono::steady_clock;
+    std::string sentence() const;
+    void wait_and_end();
+
+    double seconds_;
+    Clock::time_point begin_ = Clock::now();
+    std::mutex mutex_;
+    std::condition_variable over_;
+    bool is_over_ = false;
+    std::thread watchdog_;
+};
+
+void add_time_limit_option(CLI::App& command, double& seconds);
+
+}  // namespace palpate

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""R30: the tests under sanitizers (address, undefined behaviour, threads), and every kernel under oclgrind.
+Has only a long form: it builds everything twice, in build/sanitize and build/sanitize-thread."""
+import pathlib
+import re
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent))
+from tests.soak.figures import Figure, main  # noqa: E402
+from tests.soak.runs import BIN, OPENCL_FAULTS, ROOT, Scene, run  # noqa: E402
+
+SUITES = ["solver_test", "inverse_test", "backend_contract_test", "linear_solver_contract_test",
+          "material_contract_test", "solid_contract_test", "equilibrium_contract_test",
+          "unit_opencl_test", "imaging_test", "meshing_test", "mesher_test", "extract_test",
+          "unit_modelling", "unit_report", "unit_simulation", "pipeline_test", "phantom_test",
+          "c_solver_client", "handles_client"]
+# Those whose code starts threads of its own.
+THREADED = ["solver_test", "inverse_test", "linear_solver_contract_test", "solid_contract_test",
+            "equilibrium_contract_test", "handles_client"]
+REPORT = re.compile(r"(ERROR: \w+Sanitizer|WARNING: ThreadSanitizer|runtime error:)")
+HERE = pathlib.Path(__file__).resolve().parent
+OPTIONS = {
+    # Libraries keep what they made until the process ends.
+    "LSAN_OPTIONS": f"suppressions={HERE / 'leak_suppressions.txt'}",
+    "UBSAN_OPTIONS": "print_stacktrace=1",
+    # Libraries that were not built for it are not looked into.
+    "TSAN_OPTIONS": f"suppressions={HERE / 'thread_suppressions.txt'}",
+    "OPENBLAS_NUM_THREADS": "1",
+}
+
+
+def under(preset, suites):
+    subprocess.run(["cmake", "--preset", preset], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["nice", "cmake", "--build", "--preset", preset, "--target", *suites,
+                    "palpate-mesh"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    programs = ROOT / "build" / preset / "bin"
+    reports, failed = [], []
+    for suite in suites:
+        finished = run(program=programs / suite, environment=OPTIONS, limit_s=7200, cwd=ROOT)
+        text = finished.stdout + finished.stderr
+        reports += [f"{suite}: {line}" for line in text.splitlines() if REPORT.search(line)]
+        if finished.code != 0:
+            failed.append(f"{suite}: code {finished.code} " + " ".join(
+                re.findall(r"\[  FAILED  \] (\S+)", text)[:5]))
+    return [Figure("R30", f"{preset}: reports of {len(suites)} suites", str(len(reports)), "0",
+                   not reports, "\n".join(reports[:20])),
+            Figure("R30", f"{preset}: suites that fail", str(len(failed)), "0", not failed,
+                   "\n".join(failed))]
+
+
+def kernels_of_the_source():
+    names = set()
+    for path in (ROOT / "kernels").rglob("*.cl"):
+        names |= set(re.findall(r"kernel\s+(?:__attribute__\(\(.*?\)\)\)\s+)?void\s+(\w+)\s*\(",
+                                path.read_text(), re.S))
+    return names
+
+
+def kernels_of_the_check():
+    """Those that the tests launch which scripts/check_kernels runs."""
+    text = (ROOT / "scripts/check_kernels").read_text()
+    cases = re.search(r'cases="(.*)"', text).group(1)
+    tests = re.search(r'tests="(.*)"', text).group(1).replace("$cases", cases)
+    with Scene() as scene:
+        names = scene.folder / "kernels"
+        run(f"--gtest_filter={tests}", program=BIN / "unit_opencl_test", limit_s=1800, cwd=ROOT,
+            environment={"OPENCL_LAYERS": str(OPENCL_FAULTS), "PALPATE_FAULT_KERNELS": str(names)})
+        return set(names.read_text().split())
+
+
+def oclgrind():
+    source, launched = kernels_of_the_source(), kernels_of_the_check()
+    missing = sorted(source - launched)
+    finished = run(program=ROOT / "scripts/check_kernels", limit_s=3600)
+    return [Figure("R30", "kernels that oclgrind runs", f"{len(source & launched)} of {len(source)}",
+                   "all", not missing, ", ".join(missing)),
+            Figure("R30", "oclgrind", "clean" if finished.code == 0 else "reports", "clean",
+                   finished.code == 0, finished.stderr[-2000:] if finished.code else "")]
+
+
+def figures(long):
+    if not long:
+        return []
+    return oclgrind() + under("sanitize", SUITES) + under("sanitize-thread", THREADED)
+
+
+if __name__ == "__main__":
+    main(figures)
