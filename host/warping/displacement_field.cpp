@@ -40,7 +40,7 @@ bool is_inside(const ImageGrid& grid, const Vec3& point) {
 }
 
 Origin origin_of(const Image<Vec3>& field, const Vec3& y, const Vec3& start, double tolerance_mm) {
-    constexpr int max_iterations = 60;
+    constexpr int max_iterations = 100;
     constexpr double smallest_step = 0.05;
     double step = 1.0;
     Vec3 x = start;
@@ -52,6 +52,8 @@ Origin origin_of(const Image<Vec3>& field, const Vec3& y, const Vec3& start, dou
             step *= 0.5;
             continue;
         }
+        const bool overshot = next_defect.dot(defect) < 0;
+        if (overshot && next_defect.norm() > 0.5 * defect.norm()) step *= 0.5;
         x = next;
         defect = next_defect;
     }

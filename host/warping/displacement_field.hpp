@@ -20,7 +20,7 @@ struct Origin {
 };
 
 /// x with x + u(x) = y, from `start`, by x <- x + s (y - x - u(x)); s is halved when the defect
-/// grows, so that fields steeper than 1 still converge where they have an inverse.
+/// grows or turns round, so that fields steeper than 1 still converge where they have an inverse.
 Origin origin_of(const Image<Vec3>& field, const Vec3& y, const Vec3& start, double tolerance_mm);
 
 struct MovedPoint {

@@ -15,8 +15,9 @@ inline RecoveredModel two_tet_model() {
     model.regions = {{"background", "background", 0, 10, 0.35, {0}},
                      {"prostate, peripheral zone", "prostate_peripheral_zone", 5, 60, 0.4, {1}}};
     model.held = {Held::fixed, Held::fixed, Held::fixed, Held::free, Held::driven};
-    model.displacement = {{}, {}, {}, Vec3(0.1, 0, 0), Vec3(0.25, -0.5, 0.75)};
-    for (int n = 0; n < 3; ++n) model.displacement[n] = Vec3::Zero();
+    model.displacement.assign(5, Vec3::Zero());
+    model.displacement[3] = Vec3(0.1, 0, 0);
+    model.displacement[4] = Vec3(0.25, -0.5, 0.75);
     model.force.assign(5, Vec3::Zero());
     model.force[4] = Vec3(1500, -20, 3);
     model.version = "0.1.0";

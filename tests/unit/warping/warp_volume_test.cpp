@@ -106,7 +106,7 @@ double largest_error(Interpolation interpolation) {
 
 TEST(WarpImage, FetchesEachVoxelFromWhereTheMapPoints) {
     EXPECT_LT(largest_error(Interpolation::linear), 0.6);  // of 150; curvature x spacing^2 / 8
-    EXPECT_LT(largest_error(Interpolation::cubic), 0.02);
+    EXPECT_LT(largest_error(Interpolation::cubic), 0.06);
     EXPECT_GT(largest_error(Interpolation::nearest), 1);
 }
 
