@@ -95,6 +95,7 @@ void prepare_for_memory_limit() {
                         "-v) by {} MiB",
                         limit, (count * blas_buffer + least_work) / mib));
     reserve_blas_buffers(count);
+    tell_crashes(limit);
     look_for_devices();
     tell_crashes(limit);
 }

@@ -129,9 +129,16 @@ void with_clear_errors(const fs::path& folder, const Action& action) {
     }
 }
 
-/// Of the hidden folders in which results for `target` are put together.
-std::string unfinished_prefix(const fs::path& target) {
-    return fmt::format(".{}.unfinished-", target.filename().string());
+/// The hidden folder in which a result for `target` is put together.
+LockedFolder unfinished_folder(const fs::path& target) {
+    try {
+        return LockedFolder(target.parent_path(),
+                            fmt::format(".{}.unfinished-", target.filename().string()),
+                            LockedFolder::Readers::everybody);
+    } catch (const Error& error) {
+        fail(target, fmt::format("cannot be made ({})", error.what()),
+             "or choose another folder with --out");
+    }
 }
 
 void write_folder(const fs::path& folder, bool overwrite,
@@ -141,8 +148,7 @@ void write_folder(const fs::path& folder, bool overwrite,
     if (replaces && !overwrite)
         fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
     Parents parents(target);
-    LockedFolder temporary(target.parent_path(), unfinished_prefix(target),
-                           LockedFolder::Readers::everybody);
+    LockedFolder temporary = unfinished_folder(target);
     fill(temporary.path());
     sync_tree_to_disk(temporary.path());
     if (replaces) {

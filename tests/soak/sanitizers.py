@@ -54,20 +54,21 @@ def under(preset, suites):
 def kernels_of_the_source():
     names = set()
     for path in (ROOT / "kernels").rglob("*.cl"):
-        names |= set(re.findall(r"kernel\s+(?:__attribute__\(\(.*?\)\)\)\s+)?void\s+(\w+)\s*\(",
-                                path.read_text(), re.S))
+        names |= set(re.findall(r"PALPATE_KERNEL\s+void\s+(\w+)\s*\(", path.read_text()))
     return names
 
 
 def kernels_of_the_check():
     """Those that the tests launch which scripts/check_kernels runs."""
-    text = (ROOT / "scripts/check_kernels").read_text()
-    cases = re.search(r'cases="(.*)"', text).group(1)
-    tests = re.search(r'tests="(.*)"', text).group(1).replace("$cases", cases)
+    values = dict(re.findall(r'^(cases|tests|vectors)="(.*)"', (ROOT / "scripts/check_kernels").read_text(),
+                             re.M))
+    tests = values["tests"].replace("$cases", values["cases"])
     with Scene() as scene:
         names = scene.folder / "kernels"
-        run(f"--gtest_filter={tests}", program=BIN / "unit_opencl_test", limit_s=1800, cwd=ROOT,
-            environment={"OPENCL_LAYERS": str(OPENCL_FAULTS), "PALPATE_FAULT_KERNELS": str(names)})
+        for suite, chosen in (("unit_opencl_test", tests), ("backend_contract_test", values["vectors"])):
+            run(f"--gtest_filter={chosen}", program=BIN / suite, limit_s=1800, cwd=ROOT,
+                environment={"OPENCL_LAYERS": str(OPENCL_FAULTS),
+                             "PALPATE_FAULT_KERNELS": str(names)})
         return set(names.read_text().split())
 
 
