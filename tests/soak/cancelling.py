@@ -23,11 +23,12 @@ LIBRARY = PROGRAM.parent.parent / "lib/libpalpate.so"
 CANCELLED, STATUS_CANCELLED = 9, 11
 LIMIT_S = 2.0
 TIMES = 30
+CALLS = 15
 
 
 def make_phantom(folder):
     made = folder / "phantom"
-    subprocess.run([PROGRAM, "phantom", "pelvis", "--seed", "2", "--spacing", "1.5", "1.5", "1.5", "--out",
+    subprocess.run([PROGRAM, "phantom", "pelvis", "--seed", "2", "--spacing", "2", "2", "2", "--out",
                     made, "--quiet"], check=True)
     return made
 
@@ -161,7 +162,7 @@ def figures(long):
         return []  # tests/cli/test_cancel.py is the short form
     with tempfile.TemporaryDirectory(prefix="palpate-soak-") as folder:
         phantom, found = interrupted_runs(pathlib.Path(folder), TIMES)
-        return found + library_figures(phantom, TIMES)
+        return found + library_figures(phantom, CALLS)
 
 
 if __name__ == "__main__":
