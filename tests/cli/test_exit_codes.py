@@ -70,7 +70,8 @@ def time_limit(phantom, tmp_path):
 def cancelled(phantom, tmp_path):
     arguments = [str(a) for a in recover_arguments(phantom, tmp_path / "out") if a != "--quiet"]
     process = subprocess.Popen([str(PROGRAM), *arguments], stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)
+                               stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     process.stderr.readline()
     process.send_signal(signal.SIGINT)
     out, text = process.communicate(timeout=60)
