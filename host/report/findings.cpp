@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace palpate {
 namespace {
@@ -37,7 +38,8 @@ std::string decimals_or_dash(double value, int digits) {
 std::string significant(double value) {
     if (!std::isfinite(value)) return "n/a";
     if (value == 0) return "0";
-    const double rounded = std::stod(fmt::format("{:.2e}", value));  // 9.999 has become 10
+    const double rounded =
+        std::strtod(fmt::format("{:.2e}", value).c_str(), nullptr);  // 9.999 has become 10
     const int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded))));
     if (exponent < -3 || exponent > 4) return fmt::format("{:.2e}", value);
     return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 5));

@@ -16,6 +16,11 @@ SLACK_S = 20  # the aim is 2; a busy machine decides nothing here
 MODEL = ROOT / "examples/simulate/pressed_by_ball.toml"
 
 
+def hear_interrupts():
+    """A job in the background of a script is born deaf to Ctrl-C, and so are its children."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Running:
     """A program in a session of its own, with temporary files of its own."""
 
@@ -24,7 +29,7 @@ class Running:
         self.temporary.mkdir()
         self.process = subprocess.Popen(
             [str(PROGRAM), *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            text=True, start_new_session=True, env={**os.environ, "TMPDIR": str(self.temporary)})
+            text=True, start_new_session=True, preexec_fn=hear_interrupts, env={**os.environ, "TMPDIR": str(self.temporary)})
 
     def wait_for(self, word):
         """Until a line of progress holds the word."""

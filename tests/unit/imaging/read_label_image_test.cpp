@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "host/imaging/io.hpp"
+#include "solver/base/error.hpp"
 #include "tests/unit/imaging/nifti_bytes.hpp"
 #include "tests/unit/imaging/voxelised.hpp"
 
@@ -94,7 +95,20 @@ TEST(ReadLabelImage, PrefersTheSformWhereBothDiffer) {
     put(bytes, 268, 99.0f);  // of the qform
     save(folder / "a.nii", bytes);
 
-    EXPECT_TRUE(read_label_image(folder / "a.nii").grid.origin.isApprox(Vec3(-10, 20, 30)));
+    std::vector<std::string> warnings;
+    const LabelImage image = read_label_image(folder / "a.nii", {}, &warnings);
+
+    EXPECT_TRUE(image.grid.origin.isApprox(Vec3(-10, 20, 30)));
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].find("the sform was used"), std::string::npos);
+}
+
+TEST(ReadLabelImage, StopsWhereItsSinkThrows) {
+    const ScratchFolder folder;
+    save(folder / "a.nii", good_nifti());
+    const auto cancel = [](const Progress&) { throw Error(ErrorCode::cancelled, "enough"); };
+
+    EXPECT_THROW(read_label_image(folder / "a.nii", cancel), Error);
 }
 
 TEST(ReadLabelImage, ReadsTheOtherByteOrderAndFloatingPointLabels) {
