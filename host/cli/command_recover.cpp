@@ -186,7 +186,7 @@ void add_recover(CLI::App& app, Run& run) {
         "recover", "Stiffness, forces and deformation from two segmentations of one patient");
     command->add_option("reference", arguments->reference, "Label volume, state one")->required();
     command->add_option("target", arguments->targets,
-                        "Label volume, state two; of several, each gets a folder of its name in "
+                        "Label volume, state two; of several, each gets a numbered folder in "
                         "--out; instead of it: --target-surface, --target-points");
     command->add_option("--config", arguments->config, "Organs and their roles (TOML)")->required();
     command->add_option("--out", arguments->out, "Result folder, made new")->required();
@@ -230,9 +230,9 @@ void add_recover(CLI::App& app, Run& run) {
     command->add_option("--max-iterations", arguments->max_iterations, "Of the search")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    command->add_flag("--keep-file-names", arguments->keep_file_names, will_write(arguments.out);
-                      will_write(arguments.save_reduced);
-                      "Write the names of the input files into the result");
+    command->add_flag("--keep-file-names", arguments->keep_file_names,
+                      "Write the names of the input files into the result, and name the folders of "
+                      "several targets after them");
     add_time_limit_option(*command, arguments->time_limit_s);
     command->add_flag("--quiet", arguments->quiet, "No progress");
     add_mesher_options(*command, arguments->mesher);

@@ -182,7 +182,7 @@ void write_pelvis(const PelvisPhantom& phantom, const PelvisOptions& options,
         }
         fs::create_directories(final_path.parent_path());
         LockedFolder temporary(final_path.parent_path(),
-                               "." + final_path.filename().string() + ".unfinished-",
+                               fmt::format(".{}.unfinished-", final_path.filename().string()),
                                LockedFolder::Readers::everybody);
         write_files(phantom, options, temporary.path());
         fs::rename(temporary.path(), final_path);

@@ -129,7 +129,7 @@ class Mutation : public testing::TestWithParam<const char*> {};
 
 TEST_P(Mutation, OfAVolumeIsReadOrRefused) {
     const PrivateFolder folder;
-    const std::filesystem::path path = folder.path() / ("a" + std::string(GetParam()));
+    const std::filesystem::path path = folder.path() / std::string("a").append(GetParam());
     write_label_image(path, small_scene());
     const Bytes good = bytes_of(path);
     Mutator mutate(7);
