@@ -44,6 +44,7 @@ ALLOWED = {
     "host/exporting": SOLVER + STATIONS,
     "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study",
                                      "host/simulation", "host/exporting"],
+    "host/slicer": SOLVER + STATIONS + ["host/pipeline"],
     "host/python": ["host/capi"],
     "host/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
 }
