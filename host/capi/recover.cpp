@@ -47,21 +47,11 @@ Segmentation segmentation_of(const palpate_labels& given) {
     return segmentation;
 }
 
-AlignMethod align_method(const char* name) {
-    const std::string wanted = name ? name : "auto";
-    if (wanted == "auto") return AlignMethod::automatic;
-    if (wanted == "fixed") return AlignMethod::fixed;
-    if (wanted == "centroid") return AlignMethod::centroid;
-    if (wanted == "none") return AlignMethod::none;
-    throw Error(ErrorCode::invalid_argument,
-                "there is no alignment '" + wanted + "'; there are auto, fixed, centroid, none");
-}
-
 RecoverOptions recover_options(const palpate_recover_options& given) {
     require(given.settings_toml, "the text of the settings");
     RecoverOptions options;
     options.settings = parse_settings(given.settings_toml, "settings");
-    options.align = align_method(given.align);
+    if (given.align) options.align = align_method_of(given.align);
     if (given.mesh_program) options.mesher.program = given.mesh_program;
     if (given.num_nodes != 0 && given.num_nodes < 500)
         throw Error(ErrorCode::invalid_argument,

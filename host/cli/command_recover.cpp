@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <map>
 #include <memory>
 
 #include "host/cli/commands.hpp"
@@ -11,6 +10,7 @@
 #include "host/cli/options.hpp"
 #include "host/cli/partial_target_options.hpp"
 #include "host/cli/time_limit.hpp"
+#include "host/pipeline/landmarks.hpp"
 #include "host/pipeline/recover.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
 #include "host/report/result_folder.hpp"
@@ -31,23 +31,17 @@ struct RecoverArguments {
     int max_iterations = MapOptions{}.max_iterations;
     double start_kpa = MapOptions{}.start_kpa;
     double search_time_s = 0, time_limit_s = 0;
+    std::vector<std::string> landmarks;  ///< a file for each state
+    bool landmarks_ras = false;
     bool overwrite = false, quiet = false, keep_file_names = false;
 };
-
-AlignMethod align_method(const std::string& name) {
-    static const std::map<std::string, AlignMethod> methods{{"auto", AlignMethod::automatic},
-                                                            {"fixed", AlignMethod::fixed},
-                                                            {"centroid", AlignMethod::centroid},
-                                                            {"none", AlignMethod::none}};
-    return methods.at(name);
-}
 
 RecoverOptions recover_options(const RecoverArguments& arguments) {
     RecoverOptions options;
     options.settings = read_settings(arguments.config);
     options.mesh = arguments.mesh;
     options.initial_transform = arguments.transform;
-    options.align = align_method(arguments.align);
+    options.align = align_method_of(arguments.align);
     options.mesher = mesher_options(arguments.mesher);
     options.solver = solver_options(arguments.solver);
     options.search.max_iterations = arguments.max_iterations;
@@ -57,6 +51,10 @@ RecoverOptions recover_options(const RecoverArguments& arguments) {
     options.nested.max_outer_iterations = arguments.max_iterations;
     options.nested.time_limit_s = arguments.search_time_s;
     options.nested.direct_library = options.solver.direct_library;
+    if (!arguments.landmarks.empty())
+        options.landmarks =
+            read_landmarks(arguments.landmarks[0], arguments.landmarks[1],
+                           arguments.landmarks_ras ? PointAxes::ras : PointAxes::lps);
     options.save_reduced = arguments.save_reduced;
     options.load_reduced = arguments.load_reduced;
     return options;
@@ -141,6 +139,9 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
 
 int run_recover(const RecoverArguments& arguments) {
     check_one_kind_of_target(arguments.targets, arguments.partial);
+    if (arguments.targets.size() > 1 && !arguments.landmarks.empty())
+        throw Error(ErrorCode::invalid_argument,
+                    "--landmarks belong to one target; recover the targets one by one");
     const bool several = arguments.targets.size() > 1;
     std::vector<std::string> names;
     if (several) {
@@ -205,6 +206,12 @@ void add_recover(CLI::App& app, Run& run) {
                      "instead of --align")
         ->excludes(align);
     add_partial_target_options(*command, arguments->partial);
+    command
+        ->add_option("--landmarks", arguments->landmarks,
+                     "Two CSV files (x, y, z in mm) with the same points in both images, row by "
+                     "row: their error is told, the search does not use them")
+        ->expected(2);
+    command->add_flag("--landmarks-ras", arguments->landmarks_ras, "These files are RAS, not LPS");
     command->add_option("--mesh", arguments->mesh,
                         "Ready mesh of the reference (.vtu, cell array 'region' with labels)");
     command

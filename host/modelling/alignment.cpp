@@ -60,6 +60,15 @@ double mean_distance(const std::vector<std::vector<Vec3>>& points,
 
 }  // namespace
 
+AlignMethod align_method_of(const std::string& name) {
+    if (name == "auto") return AlignMethod::automatic;
+    if (name == "fixed") return AlignMethod::fixed;
+    if (name == "centroid") return AlignMethod::centroid;
+    if (name == "none") return AlignMethod::none;
+    throw Error(ErrorCode::invalid_argument,
+                "there is no alignment '" + name + "'; there are auto, fixed, centroid, none");
+}
+
 RigidTransform align_centroids(const RegionImage& reference, const RegionImage& target,
                                const Settings& settings) {
     return {Mat3::Identity(), centroid_of_moving_organs(target, settings) -

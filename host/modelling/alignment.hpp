@@ -13,6 +13,8 @@
 namespace palpate {
 
 enum class AlignMethod { automatic, fixed, centroid, none, transform };
+/// Of "auto", "fixed", "centroid", "none". Throws Error(invalid_argument) naming them.
+AlignMethod align_method_of(const std::string& name);
 
 struct AlignmentResult {
     std::string method;  ///< "fixed", "centroid", "none", "transform"

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pipeline/recover.hpp"
+#include "host/pipeline/landmarks.hpp"
 
 #include <fmt/core.h>
 
@@ -31,6 +32,8 @@ RecoveryResult recover_target(const PreparedReference& prepared, const TargetSta
     report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
     const LabelledState& reference = prepared.reference.state;
     RecoveryResult result = assemble_result(found, reference, target, options.settings);
+    result.landmarks = measure_landmarks(options.landmarks, result.displacement_field,
+                                         target.alignment.reference_to_target);
     timer.stop();
     add_warnings("Reference", reference, result);
     if (target.labels) add_warnings("Target", *target.labels, result);

@@ -42,6 +42,7 @@ struct RecoverOptions {
     TissueLaw law = TissueLaw::linear;
     MapOptions search;
     NestedOptions nested;                ///< for `nested_lbfgs`
+    std::vector<Landmark> landmarks;     ///< measured at the end, not used by the search
     std::filesystem::path save_reduced;  ///< file for the mesh and the reduced model, or empty
     /// Such a file, used instead of meshing and condensing, or empty. `mesh` and `mesher` are then
     /// not read. Another reference or other settings than it was saved for: Error(input_unusable).

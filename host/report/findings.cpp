@@ -121,6 +121,24 @@ std::string seen_sentence(const RecoveryResult& result) {
     return parts.empty() ? "" : "Part of each surface that the target shows: " + parts + ".";
 }
 
+std::string landmark_sentence(const RecoveryResult& result) {
+    if (result.landmarks.empty()) return "";
+    double before = 0, after = 0, largest = 0;
+    std::size_t outside = 0;
+    for (const LandmarkResult& l : result.landmarks) {
+        before += l.error_mm_before / static_cast<double>(result.landmarks.size());
+        after += l.error_mm_after / static_cast<double>(result.landmarks.size());
+        largest = std::max(largest, l.error_mm_after);
+        outside += !l.is_inside;
+    }
+    return fmt::format(
+        "{} landmark{}: mean error {} mm after rigid alignment, {} mm after the "
+        "recovery, largest {} mm{}.",
+        result.landmarks.size(), result.landmarks.size() == 1 ? "" : "s", decimals(before, 2),
+        decimals(after, 2), decimals(largest, 2),
+        outside ? fmt::format("; {} outside the displacement field", outside) : "");
+}
+
 std::string termination_sentence(const RecoveryResult& result) {
     const Termination& t = result.termination;
     return fmt::format("The search {} after {} iteration{} in {} s{}{}",
@@ -153,6 +171,7 @@ std::vector<std::string> summary_sentences(const RecoveryResult& result) {
         if (r.ratio) list.push_back(ratio_sentence(r));
     if (const std::string text = surfaces_sentence(result); !text.empty()) list.push_back(text);
     if (const std::string text = seen_sentence(result); !text.empty()) list.push_back(text);
+    if (const std::string text = landmark_sentence(result); !text.empty()) list.push_back(text);
     list.push_back(termination_sentence(result));
     return list;
 }

@@ -31,6 +31,9 @@ std::string ratio_sentence(const RegionResult& region);
 /// How well the surfaces agree, in one sentence; empty without observed surfaces.
 std::string surfaces_sentence(const RecoveryResult& result);
 /// How much of each organ's surface carried data; empty where the target has labels.
+/// "12 landmarks: mean error 3.1 mm after rigid alignment, 0.8 mm after the recovery, largest 1.9
+/// mm.", or nothing without landmarks.
+std::string landmark_sentence(const RecoveryResult& result);
 std::string seen_sentence(const RecoveryResult& result);
 /// Whether the search converged, in one sentence.
 std::string termination_sentence(const RecoveryResult& result);

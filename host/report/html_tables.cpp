@@ -245,6 +245,8 @@ std::string surfaces_table_html(const RecoveryResult& result) {
         out +=
             "<p class='caption'><sup>*</sup> Cut by the field of view; the cut face carries no "
             "data.</p>";
+    if (const std::string landmarks = landmark_sentence(result); !landmarks.empty())
+        out += "<p class='caption'>" + escape_html(landmarks) + "</p>";
     if (const std::string seen = seen_sentence(result); !seen.empty())
         out += "<p class='caption'>" + escape_html(seen) + "</p>";
     return out;

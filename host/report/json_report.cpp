@@ -68,6 +68,17 @@ Json surface_json(const SurfaceResult& s) {
             {"resultant_sd_mn", vector3(s.resultant_sd_mn)}};
 }
 
+Json landmarks_json(const RecoveryResult& result) {
+    Json list = Json::array();
+    for (const LandmarkResult& l : result.landmarks)
+        list.push_back({{"reference_mm", vector3(l.at.reference)},
+                        {"target_mm", vector3(l.at.target)},
+                        {"error_mm_before", number(l.error_mm_before)},
+                        {"error_mm_after", number(l.error_mm_after)},
+                        {"inside", l.is_inside}});
+    return list;
+}
+
 Json mesh_json(const RecoveryResult& result) {
     const MeshQuality& q = result.mesher.quality;
     return {{"nodes", result.mesh.mesh.num_nodes()},
@@ -234,6 +245,7 @@ std::string json_report(const RecoveryResult& result, bool include_file_names) {
     json["correlation"] = correlation_json(result);
     json["sensitivity"] = sensitivity_json(result);
     json["surfaces"] = surfaces;
+    json["landmarks"] = landmarks_json(result);
     json["profiles"] = profiles_json(result);
     json["mesh"] = mesh_json(result);
     json["alignment"] = alignment_json(result.alignment);

@@ -167,7 +167,7 @@ void check_folder(const fs::path& folder, const char* mark, bool overwrite) {
     if (fs::exists(target)) {
         if (!overwrite)
             fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
-        if (!fs::exists(target / mark))
+        if (!fs::exists(target / mark) && !fs::is_empty(target))
             fail(folder,
                  fmt::format("holds no result of palpate (no {}), so it is not replaced", mark),
                  "choose another folder with --out");

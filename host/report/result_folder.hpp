@@ -23,7 +23,8 @@ void check_result_folder(const std::filesystem::path& folder, bool overwrite);
 /// Writes the result folder, all or nothing: result.json, mesh.vtu, the displacement in both senses
 /// as image and as ITK transform (host/warping/field_files.hpp), warped_labels.nii.gz,
 /// convergence.csv, report.html. Missing parent folders are made.
-/// An existing folder is replaced only with `overwrite`, and only if it holds a result.json.
+/// An existing folder is replaced only with `overwrite`, and only if it is empty or holds a
+/// result.json.
 /// Throws Error(output_failed) and leaves nothing behind.
 void write_result(const RecoveryResult& result, const std::filesystem::path& folder,
                   const ResultOptions& options = {});

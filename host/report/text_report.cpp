@@ -63,6 +63,7 @@ std::string text_report(const RecoveryResult& result) {
     if (std::any_of(result.surfaces.begin(), result.surfaces.end(),
                     [](const SurfaceResult& s) { return s.cut_by_image; }))
         out += "* cut by the field of view; the cut face carries no data\n";
+    if (const std::string text = landmark_sentence(result); !text.empty()) out += text + '\n';
     if (const std::string seen = seen_sentence(result); !seen.empty()) out += harmless(seen) + '\n';
     out += '\n' + law_sentence(result) + '\n';
     for (const std::string& warning : result.warnings)

@@ -15,6 +15,7 @@
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/settings.hpp"
 #include "host/modelling/tissue_law.hpp"
+#include "host/result/landmark.hpp"
 #include "host/surfaces/surface.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -106,6 +107,7 @@ struct RecoveryResult {
     std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order
     std::vector<SensitivityResult> sensitivity;    ///< largest first; empty if not computed
     std::vector<SurfaceResult> surfaces;
+    std::vector<LandmarkResult> landmarks;  ///< those that were given, in order
     std::vector<ProfileResult> profiles;
     std::vector<IterationRecord> convergence;
     AlignmentResult alignment;

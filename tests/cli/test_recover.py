@@ -57,6 +57,20 @@ def test_the_surfaces_come_closer(result):
         assert surface["mean_distance_mm_before"] < surface["hausdorff95_mm_before"]
 
 
+def test_landmarks_are_told_before_and_after(phantom, tmp_path):
+    rows = numpy.loadtxt(phantom / "landmarks.csv", delimiter=",", skiprows=1)[:50]
+    files = [tmp_path / "reference.csv", tmp_path / "target.csv"]
+    for file, points in zip(files, (rows[:, :3], rows[:, :3] + rows[:, 3:])):
+        numpy.savetxt(file, points, delimiter=",", header="x,y,z", comments="")
+    report = recovered(phantom, tmp_path / "out", "--landmarks", *files)
+    errors = report["landmarks"]
+    assert len(errors) == 50 and all(landmark["inside"] for landmark in errors)
+    before, after = (numpy.mean([landmark[f"error_mm_{when}"] for landmark in errors])
+                     for when in ("before", "after"))
+    assert before > 2 and after < 0.25 * before
+    assert any(sentence.startswith("50 landmarks") for sentence in report["summary"])
+
+
 def test_strain_energy_is_half_the_work_of_the_forces(result):
     out, report = result
     mesh = read_arrays(out / "mesh.vtu")
