@@ -53,7 +53,7 @@ PALPATE_API const char* palpate_status_text(palpate_status status);
 PALPATE_API const char* palpate_last_error(void);
 /* "0.1.0 ..." with the libraries it was built with. */
 PALPATE_API const char* palpate_version(void);
-/* Grows when something is added, its thousands when something breaks. */
+/* Grows when something is added (to structs at their end), its thousands when something breaks. */
 PALPATE_API int palpate_abi_version(void);
 
 /* Called during long work, about every second or more often, on the thread that called palpate or
@@ -189,7 +189,8 @@ PALPATE_API palpate_status palpate_result_region(const palpate_result* result, i
 PALPATE_API int32_t palpate_result_num_nodes(const palpate_result* result);
 PALPATE_API int32_t palpate_result_num_elements(const palpate_result* result);
 /* Views into the result, valid as long as it: [num_nodes, 3] mm, mm and mN, [num_elements, 4], and
- * [num_elements] kPa. */
+ * [num_elements] kPa. Displacements of nodes lead to the target as the rigid alignment laid it onto
+ * the reference; `palpate_result_field` leads to where the target lies in its own image. */
 PALPATE_API const double* palpate_result_nodes(const palpate_result* result);
 PALPATE_API const double* palpate_result_displacement(const palpate_result* result);
 PALPATE_API const double* palpate_result_force(const palpate_result* result);

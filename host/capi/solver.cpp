@@ -21,7 +21,8 @@ using capi::require;
 /// The handle.
 struct palpate_solver {
     Model model;
-    ProgressSink progress;
+    palpate_progress progress = nullptr;
+    void* progress_user = nullptr;
     std::unique_ptr<LinearSolver> solver;
     StiffnessMatrix stiffness;
     std::string description;
@@ -74,6 +75,11 @@ ConstColumns columns_at(const palpate_solver& solver, const double* values, std:
                         const char* what) {
     require(values, what);
     return {values, solver.model.num_dofs(), columns};
+}
+
+/// A call that was cancelled does not cancel the next one.
+ProgressSink told_in_this_call(const palpate_solver& solver) {
+    return capi::progress_sink(solver.progress, solver.progress_user);
 }
 
 void multiply(const palpate_solver& solver, const double* x, std::int32_t columns, double* y) {
@@ -145,7 +151,8 @@ palpate_status palpate_solver_create(const palpate_model* model,
         auto made = std::make_unique<palpate_solver>();
         made->model = model_of(completed(model, palpate_model_init, "the model"));
         check_model(made->model);
-        made->progress = capi::progress_sink(chosen.progress, chosen.progress_user);
+        made->progress = chosen.progress;
+        made->progress_user = chosen.progress_user;
         made->solver = make_linear_solver(made->model, capi::linear_solver_options(&chosen));
         made->stiffness = assemble_stiffness(made->model);
         made->description = describe(made->solver->describe());
@@ -186,7 +193,7 @@ palpate_status palpate_solver_solve(palpate_solver* solver, const double* load,
         if (!b.allFinite())
             throw Error(ErrorCode::invalid_argument, "a load is not a finite number");
         Columns x;
-        const LinearSolverSummary summary = solver->solver->solve(b, x, solver->progress);
+        const LinearSolverSummary summary = solver->solver->solve(b, x, told_in_this_call(*solver));
         std::copy_n(x.data(), x.size(), displacement);
         if (reaction) {
             multiply(*solver, x.data(), columns, reaction);
@@ -208,10 +215,10 @@ palpate_status palpate_solver_gradient(palpate_solver* solver, const double* dis
         const auto held = hold(solver, "the solver");
         check_count(columns, "columns");
         require(by_load, "the place for the gradient");
-        const LoadGradient gradient =
-            load_gradient(solver->model, *solver->solver,
-                          columns_at(*solver, displacement, columns, "the displacement"),
-                          columns_at(*solver, slope, columns, "the slope"), solver->progress);
+        const LoadGradient gradient = load_gradient(
+            solver->model, *solver->solver,
+            columns_at(*solver, displacement, columns, "the displacement"),
+            columns_at(*solver, slope, columns, "the slope"), told_in_this_call(*solver));
         std::copy_n(gradient.load.data(), gradient.load.size(), by_load);
         if (by_stiffness)
             std::copy_n(gradient.stiffness_kpa.data(), gradient.stiffness_kpa.size(), by_stiffness);

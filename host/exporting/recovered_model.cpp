@@ -44,6 +44,12 @@ Json read_json(const fs::path& path) {
     }
 }
 
+std::string lower_case(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
+    return text;
+}
+
 std::string token_of(const std::string& name, std::set<std::string>& taken) {
     std::string token;
     for (const char c : name) {
@@ -55,7 +61,9 @@ std::string token_of(const std::string& name, std::set<std::string>& taken) {
     token.resize(std::min<std::size_t>(token.size(), 60));
     if (token.empty() || (token[0] >= '0' && token[0] <= '9')) token = "region_" + token;
     std::string unique = token;
-    for (int n = 2; !taken.insert(unique).second; ++n) unique = fmt::format("{}_{}", token, n);
+    // Solvers take ABC and abc for one name.
+    for (int n = 2; !taken.insert(lower_case(unique)).second; ++n)
+        unique = fmt::format("{}_{}", token, n);
     return unique;
 }
 

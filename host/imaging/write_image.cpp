@@ -78,7 +78,7 @@ void write_volume(const std::filesystem::path& path, const ImageGrid& grid,
         encoder->WriteImageInformation();
         encoder->Write(values.data());
         // The encoder does not notice a full disk; the check of a reader does.
-        if (num_components == 1) preflight(temporary);
+        num_components == 1 ? preflight(temporary) : preflight_vectors(temporary);
     });
 }
 

@@ -209,6 +209,29 @@ void add_deformations(const Recovered& found, std::vector<RegionResult>& regions
     }
 }
 
+/// Corners of the box of the target's voxels of a region, where the alignment lays it, mm. None for
+/// a region without voxels.
+std::vector<Vec3> box_of_region(const LabelledState& target, const AlignmentResult& alignment,
+                                Index region) {
+    const ImageGrid& grid = target.regions.grid;
+    Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
+    for (Index k = 0; k < grid.size[2]; ++k)
+        for (Index j = 0; j < grid.size[1]; ++j)
+            for (Index i = 0; i < grid.size[0]; ++i)
+                if (target.regions.at(i, j, k) == region) {
+                    low = low.cwiseMin(Vec3(i, j, k));
+                    high = high.cwiseMax(Vec3(i, j, k));
+                }
+    std::vector<Vec3> corners;
+    const RigidTransform back = alignment.reference_to_target.inverse();
+    for (int corner = 0; corner < 8 && low.x() <= high.x(); ++corner) {
+        const Vec3 index((corner & 1 ? high : low).x(), (corner & 2 ? high : low).y(),
+                         (corner & 4 ? high : low).z());
+        corners.push_back(back.apply(grid.to_point(index)));
+    }
+    return corners;
+}
+
 SurfaceResult surface_result(const Recovered& found, std::size_t s, const TargetState& target,
                              const Settings& settings) {
     const ObservedSurface& observed = found.recovery.surfaces[s];
@@ -223,8 +246,11 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const Target
         if (observed.driven) result.resultant_force_mn += found.force.segment<3>(3 * node);
     }
     if (target.labels) {
+        std::vector<Vec3> near = observed.surface.vertices;
+        for (const Vec3& corner : box_of_region(*target.labels, target.alignment, observed.region))
+            near.push_back(corner);
         result.target =
-            picture_surface(*found.target[s], observed.surface.vertices, picture_edge_mm,
+            picture_surface(*found.target[s], near, picture_edge_mm,
                             [&](const Vec3& point) { return in_field_of_view(target, point); });
     } else {
         result.target_kind = target.shown[s].kind;

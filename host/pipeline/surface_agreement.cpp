@@ -67,9 +67,9 @@ Sampled distances_back(const Surface& target, Surface surface) {
     const SurfaceShape shape(std::move(surface));
     back.area = vertex_areas(target);
     for (const Vec3& vertex : target.vertices) {
-        const ShapeDistance distance = shape.measure(vertex, Vec3::Zero());
+        const SurfaceShape::Distance distance = shape.distance(vertex);
         back.mm.push_back(distance.mm);
-        back.seen.push_back(distance.is_seen);
+        back.seen.push_back(!distance.is_on_rim);
     }
     return back;
 }

@@ -51,6 +51,12 @@ bool SurfaceShape::on_rim(Index triangle, const Vec3& weights) const {
     return false;
 }
 
+SurfaceShape::Distance SurfaceShape::distance(const Vec3& point) const {
+    const ClosestPoint closest = query_.closest(point);
+    const Vec3 weight = weights(closest.point, surface_.triangles[closest.triangle]);
+    return {closest.distance_mm, on_rim(closest.triangle, weight)};
+}
+
 ShapeDistance SurfaceShape::measure(const Vec3& point, const Vec3& facing) const {
     const ClosestPoint closest = query_.closest(point);
     const Triangle& corners = surface_.triangles[closest.triangle];

@@ -20,6 +20,13 @@ public:
     explicit SurfaceShape(Surface surface);
     ShapeDistance measure(const Vec3& point, const Vec3& facing) const override;
 
+    /// Distance to the closest point, and whether that is on the rim of the open surface.
+    struct Distance {
+        double mm = 0;
+        bool is_on_rim = false;
+    };
+    Distance distance(const Vec3& point) const;
+
 private:
     Vec3 weights(const Vec3& point, const Triangle& corners) const;
     bool on_rim(Index triangle, const Vec3& weights) const;

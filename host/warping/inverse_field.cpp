@@ -24,9 +24,10 @@ void invert_by_iteration(const Image<Vec3>& field, const RigidTransform& transfo
             for (Index i = 0; i < grid.size[0]; ++i) {
                 if (!unknown[grid.offset(i, j, k)]) continue;
                 const Vec3 y = grid.to_point(Vec3(i, j, k)), aligned = back.apply(y);
-                const Vec3 x = origin_of(field, aligned, aligned - shift, tolerance_mm).point;
-                shift = aligned - x;
-                inverse.at(i, j, k) = x - y;
+                const Origin found = origin_of(field, aligned, aligned - shift, tolerance_mm);
+                const bool is_good = found.defect_mm <= 10 * tolerance_mm;
+                shift = is_good ? Vec3(aligned - found.point) : Vec3::Zero();
+                inverse.at(i, j, k) = found.point - y;
             }
         }
     });

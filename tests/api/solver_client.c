@@ -153,7 +153,7 @@ static void older_header(void) {
 }
 
 int main(void) {
-    expect(palpate_abi_version() / 1000 == 1, "the interface of this header");
+    expect(palpate_abi_version() / 1000 == 2, "the interface of this header");
     expect(strlen(palpate_version()) > 0, "has a version");
     expect(strcmp(palpate_status_text(PALPATE_NOT_CONVERGED), "not converged") == 0, "status text");
     palpate_model model = cube();

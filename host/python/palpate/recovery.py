@@ -92,7 +92,8 @@ class Result:
 
     @property
     def displacement(self) -> Doubles:
-        """[num_nodes, 3] mm, reference to target."""
+        """[num_nodes, 3] mm, reference to the target as the rigid alignment laid it onto the
+        reference; the alignment is in to_dict()["alignment"]."""
         return self._result.displacement
 
     @property
@@ -102,7 +103,8 @@ class Result:
 
     @property
     def displacement_field(self) -> Doubles:
-        """[k, j, i, 3] mm on the reference's grid, reference to target."""
+        """[k, j, i, 3] mm on the reference's grid, to where the target lies in its own image:
+        the alignment is part of it."""
         return self._result.displacement_field
 
     def to_dict(self) -> Dict[str, Any]:

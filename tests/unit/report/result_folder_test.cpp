@@ -185,7 +185,7 @@ TEST_F(ResultFolder, WhereTheSystemForbidsItIsRefused) {
 TEST_F(ResultFolder, OfSeveralTargetsIsUsedAgainOnlyWhenAskedAndKeepsWhatIsNotItsOwn) {
     write_targets_file(folder / "out", "first\n");
     std::ofstream(folder / "out" / "notes.txt") << "mine";
-    std::filesystem::create_directory(folder / "out" / "two");
+    std::filesystem::create_directories(folder / "out" / "two" / "of somebody");
     const auto check = [&](const std::vector<std::string>& names, bool overwrite) {
         return refusal([&] { check_targets_folder(folder / "out", names, overwrite); });
     };
@@ -197,6 +197,12 @@ TEST_F(ResultFolder, OfSeveralTargetsIsUsedAgainOnlyWhenAskedAndKeepsWhatIsNotIt
     EXPECT_TRUE(holds(check({"one", "two"}, true), "no result.json"));
     EXPECT_EQ(content_of(folder / "out" / "targets.csv"), "second\n");
     EXPECT_EQ(names_in(folder / "out"), "notes.txt targets.csv two");
+}
+
+TEST_F(ResultFolder, AnEmptyFolderIsReplacedWhenAskedBecauseThereIsNothingToLose) {
+    std::filesystem::create_directory(folder / "out");
+    EXPECT_TRUE(holds(refusal([&] { check_result_folder(folder / "out", false); }), "--overwrite"));
+    EXPECT_EQ(refusal([&] { check_result_folder(folder / "out", true); }), "no error");
 }
 
 TEST_F(ResultFolder, RemovesWhatAKilledRunLeftBehindButNotWhatAnotherOneWrites) {
