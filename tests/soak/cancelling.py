@@ -64,6 +64,8 @@ def interrupt(phantom, folder, after_s):
     stage = ([""] + [line.split()[2] for line in text.splitlines() if line.startswith(" ")])[-1]
     left = [*temporary.iterdir(), *(path for path in work.rglob(".*"))]
     complaint = ""
+    if process.returncode == -signal.SIGINT and after_s < 1 and not left:
+        return seconds, "(before it began)"
     if process.returncode != CANCELLED and not (work / "out/report.html").exists():
         complaint = f"in {stage}: exit code {process.returncode}"
     if left:
@@ -90,9 +92,9 @@ def interrupted_runs(folder, times):
     spent = sorted(value for value, _ in seconds)
     what = f"Ctrl-C at {len(spent)} random times of a recovery of {whole_s:.0f} s"
     return phantom, [
-        Figure("cancel", what, f"median {statistics.median(spent):.2f} s, worst {spent[-1]:.2f} s",
+        Figure("-", what, f"median {statistics.median(spent):.2f} s, worst {spent[-1]:.2f} s",
                f"<= {LIMIT_S:g} s", not slow, "\n".join(slow)),
-        Figure("cancel", "of these with code 9 and nothing left behind",
+        Figure("-", "of these with code 9 and nothing left behind",
                f"{len(spent) - len(complaints)} of {len(spent)}", "all", not complaints,
                "\n".join(complaints))]
 
@@ -158,10 +160,10 @@ def library_figures(phantom, times):
              if run.cancelled_at and run.status != STATUS_CANCELLED]
     worst = max(run.to_stop_s for run in runs if run.cancelled_at)
     return [
-        Figure("cancel", f"C library: longest pause between {whole.calls} calls of the callback",
+        Figure("-", f"C library: longest pause between {whole.calls} calls of the callback",
                f"{gaps[0][0]:.2f} s", "<= 1 s", gaps[0][0] <= 1,
                "\n".join(f"{seconds:.2f} s {where}" for seconds, where in gaps[:8])),
-        Figure("cancel", f"C library: cancelled at {len(runs)} calls, time to return",
+        Figure("-", f"C library: cancelled at {len(runs)} calls, time to return",
                f"{worst:.2f} s", f"<= {LIMIT_S:g} s", worst <= LIMIT_S and not wrong, "\n".join(wrong))]
 
 
