@@ -77,12 +77,34 @@ std::string ratio_cell(const RegionResult& r) {
 
 /// "−12 to +8 %".
 std::string volume_change_cell(const RegionResult& r) {
-    if (r.hollow) return "–";
     const auto percent = [](double jacobian) {
         const double change = 100 * (jacobian - 1);
         return (change < 0 ? "−" : "+") + decimals(std::abs(change), 0);
     };
     return percent(r.jacobian_range[0]) + " to " + percent(r.jacobian_range[1]) + " %";
+}
+
+/// Of the regions that are meshed.
+std::string deformation_table(const RecoveryResult& result) {
+    std::string out =
+        "<table class='narrow'><thead><tr><th>Region</th><th class='num'>Change of volume</th>"
+        "<th class='num'>Strain energy, mJ</th></tr></thead><tbody>";
+    bool is_folded = false;
+    for (const RegionResult& r : result.regions) {
+        if (r.hollow) continue;
+        is_folded = is_folded || r.jacobian_range[0] <= 0;
+        out += fmt::format("<tr><td>{}{}</td><td class='num'>{}</td><td class='num'>{}</td></tr>",
+                           swatch(result, r.region), escape_html(r.name), volume_change_cell(r),
+                           significant(r.strain_energy_mj));
+    }
+    out +=
+        "</tbody></table><p class='caption'>Change of volume of the elements, smallest to "
+        "largest.";
+    if (is_folded)
+        out +=
+            " Below −100 % an element is turned inside out, which linear elasticity does not "
+            "forbid: the motion is large for it, and neo-hookean tissue worth trying.";
+    return out + "</p>";
 }
 
 std::string before_after_cells(double before, double after, int digits) {
@@ -190,22 +212,17 @@ std::string regions_table_html(const RecoveryResult& result) {
     std::string out =
         "<div class='scroll'><table><thead><tr><th>Region</th><th class='num'>Label"
         "</th><th>Role</th><th class='num'>E, kPa</th><th class='num'>95 % interval, "
-        "kPa</th><th class='num'>Poisson's ratio</th><th class='num'>Volume change</th>"
-        "<th class='num'>Strain energy, mJ</th><th>Verdict</th></tr></thead>"
+        "kPa</th><th class='num'>Poisson's ratio</th><th>Verdict</th></tr></thead>"
         "<tbody>";
     for (const RegionResult& r : result.regions)
         out += fmt::format(
             "<tr><td>{}{}</td><td class='num'>{}</td><td>{}</td><td class='num'>{}"
-            "</td><td class='num'>{}</td><td class='num'>{}</td><td class='num'>{}</td>"
-            "<td class='num'>{}</td><td>{}</td></tr>",
+            "</td><td class='num'>{}</td><td class='num'>{}</td><td>{}</td></tr>",
             swatch(result, r.region), escape_html(r.name), r.label,
             escape_html(r.role + (r.hollow ? ", hollow" : "")),
             r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_text(r) : "–",
-            ratio_cell(r), volume_change_cell(r), r.hollow ? "–" : significant(r.strain_energy_mj),
-            chip(r.verdict));
-    return out +
-           "</tbody></table></div><p class='caption'>Volume change: of the elements, smallest to "
-           "largest.</p>";
+            ratio_cell(r), chip(r.verdict));
+    return out + "</tbody></table></div>" + deformation_table(result);
 }
 
 /// Size of the force with its 95 % interval along its own direction, N.

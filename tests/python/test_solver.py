@@ -109,6 +109,18 @@ def test_arrays_are_read_where_they_are():
     assert np.ascontiguousarray(load, dtype=np.float64) is load
 
 
+def test_a_cancelled_solve_does_not_cancel_the_next():
+    goes_on = [True]
+    solver = palpate.Solver(**two_material_bar(), method="multigrid",
+                            progress=lambda stage, fraction, message: goes_on[0])
+    goes_on[0] = False
+    with pytest.raises(palpate.PalpateError, match="cancelled") as error:
+        solver.solve(random_load(solver, columns=8))
+    assert error.value.status == 11
+    goes_on[0] = True
+    assert np.isfinite(solver.solve(random_load(solver, columns=8))[0]).all()
+
+
 def test_threads_may_share_a_solver(solver):
     loads = [random_load(solver, seed=seed) for seed in range(8)]
     alone = [solver.solve(load)[0] for load in loads]
