@@ -108,6 +108,21 @@ def test_all_outputs_that_were_asked_for_are_there(finished, phantom):
     assert set(np.unique(moved.dataobj)) == set(np.unique(target.dataobj))
 
 
+def test_the_transform_carries_the_reference_onto_the_target(finished, phantom):
+    """As a resampling transform it takes points of the target to points of the reference."""
+    sitk = pytest.importorskip("SimpleITK", reason="SimpleITK is not installed: scripts/python")
+    _, folder = finished
+    transform = sitk.ReadTransform(str(folder / "deformation.h5"))
+    same = sitk.ReadTransform(str(folder / "result/from-reference_to-target_mode-image_xfm.h5"))
+    moves = np.loadtxt(phantom / "landmarks.csv", delimiter=",", skiprows=1)[:50]
+    errors = []
+    for row in moves:
+        back = transform.TransformPoint((row[:3] + row[3:]).tolist())
+        assert back == same.TransformPoint((row[:3] + row[3:]).tolist())
+        errors.append(np.linalg.norm(np.array(back) - row[:3]))
+    assert np.mean(errors) < 0.25 * np.mean(np.linalg.norm(moves[:, 3:], axis=1))
+
+
 def test_return_parameters_are_those_of_the_description(finished, description):
     run, folder = finished
     returned = [element.findtext("name") for _, element in stub_host.parameters(description)
