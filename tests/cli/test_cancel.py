@@ -44,13 +44,21 @@ class Running:
         begin = time.monotonic()
         for one in signals:
             self.process.send_signal(one)
-        self.text = self.process.communicate(timeout=120)[1]
+        try:
+            self.text = self.process.communicate(timeout=120)[1]
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
         return time.monotonic() - begin
+
+    def in_memory(self):
+        """PoCL's private folder, where the system has room for it in memory."""
+        return list(pathlib.Path("/dev/shm").glob(f"palpate-*-{self.process.pid}-*"))
 
     def left_behind(self, *folders):
         """Temporary files, PoCL's among them, unfinished results and processes."""
         files = [str(path) for path in self.temporary.rglob("*")]
-        files += [str(path) for path in pathlib.Path("/dev/shm").glob(f"*-{self.process.pid}-*")]
+        files += map(str, self.in_memory())
         files += [str(path) for folder in folders for path in folder.rglob(".*")]
         processes = []
         for entry in pathlib.Path("/proc").iterdir():
@@ -113,6 +121,17 @@ def test_a_second_signal_ends_it_at_once(phantom, tmp_path, work):
     arguments = [a for a in recover_arguments(phantom, work / "out") if a != "--quiet"]
     running = Running(arguments, tmp_path)
     running.wait_for("condensing")
+
+    seconds = running.stop(signal.SIGINT, signal.SIGINT)
+
+    assert_stopped(running, seconds, work)
+
+
+def test_a_second_signal_leaves_no_folder_of_pocl(phantom, tmp_path, work):
+    running = Running(recover_arguments(phantom, work / "out", "--backend", "opencl"), tmp_path)
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and not [*running.in_memory(), *running.temporary.glob("*/*pocl*")]:
+        time.sleep(0.001)
 
     seconds = running.stop(signal.SIGINT, signal.SIGINT)
 
