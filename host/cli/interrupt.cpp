@@ -15,31 +15,29 @@
 #include <vector>
 
 #include "host/cli/scratch.hpp"
-#include "host/imaging/locked_folder.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/locked_folder.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int patience_ms = 1300;  // for the work to unwind
+constexpr int patience_ms = 1300;      // for the work to unwind
+constexpr int last_patience_ms = 600;  // for the exit handlers of libraries
 constexpr const char* last_words =
     "stopped by a signal (Ctrl-C or SIGTERM); nothing half-written is left";
 
 // A signal handler has no other way to be told anything: all state of this file.
 std::atomic<int> num_signals{0};
-int wake_up[2] = {-1, -1};  // a pipe from the handler to the thread that watches
-std::atomic_flag is_ending = ATOMIC_FLAG_INIT;
+int wake_up[2] = {-1, -1};        // a pipe from the handler to the thread that watches
+std::atomic<int> ending_code{0};  // with which the program ends, once it has begun to; 0: not yet
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler sets it");
 
-struct Output {
-    fs::path path;
-    std::vector<fs::path> missing_parents;  ///< that the program will make, innermost first
-};
-std::mutex outputs_mutex;
-std::vector<Output>& outputs() {
-    static auto* all = new std::vector<Output>;  // the thread that watches outlives main
+/// Folders that the program will make, innermost first.
+std::mutex missing_mutex;
+std::vector<fs::path>& missing_folders() {
+    static auto* all = new std::vector<fs::path>;  // the thread that watches outlives main
     return *all;
 }
 
@@ -63,35 +61,22 @@ void wait_for_signal(int milliseconds) {
     }
 }
 
-/// Takes away the name first, so that no half of it can still get its final one.
-void discard(const fs::path& path) {
-    const fs::path aside = path.string() + "-cancelled";
-    if (std::rename(path.c_str(), aside.c_str()) != 0) return;
-    remove_persistently(aside);
+void remove_empty_outputs() {
+    const std::lock_guard lock(missing_mutex);
+    for (const fs::path& folder : missing_folders()) rmdir(folder.c_str());  // only if empty
 }
 
-void discard_unfinished_in(const fs::path& folder) {
-    const std::string mark = "unfinished-" + process_mark();
-    std::error_code ignored;
-    std::vector<fs::path> found;
-    for (fs::directory_iterator it(folder, ignored), end; !ignored && it != end;
-         it.increment(ignored)) {
-        const std::string name = it->path().filename().string();
-        if (name.starts_with('.') && name.find(mark) != name.npos) found.push_back(it->path());
-    }
-    for (const fs::path& path : found) discard(path);
+bool is_first_to_end(int code) {
+    int none = 0;
+    return ending_code.compare_exchange_strong(none, code);
 }
 
-void discard_unfinished_outputs() {
-    const std::lock_guard lock(outputs_mutex);
-    std::error_code ignored;
-    for (const Output& output : outputs()) {
-        discard_unfinished_in(output.path);
-        discard_unfinished_in(output.path.parent_path());
-        for (const fs::path& parent : output.missing_parents)
-            fs::remove(parent, ignored);  // only if empty
-    }
+void hold_still(int) {
+    for (;;) pause();
 }
+
+/// A driver that misses its files aborts: that must not decide how the program ends.
+void hold_threads_that_abort() { std::signal(SIGABRT, hold_still); }
 
 void watch() {
     wait_for_signal(-1);
@@ -128,28 +113,27 @@ void throw_if_interrupted() {
 void will_write(const fs::path& path) {
     if (path.empty()) return;
     std::error_code failed;
-    Output output{fs::absolute(path, failed).lexically_normal(), {}};
-    if (!output.path.has_filename()) output.path = output.path.parent_path();
-    for (fs::path parent = output.path.parent_path(); !failed && !fs::exists(parent, failed);
-         parent = parent.parent_path())
-        output.missing_parents.push_back(parent);
-    const std::lock_guard lock(outputs_mutex);
-    outputs().push_back(std::move(output));
+    fs::path folder = fs::absolute(path, failed).lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();
+    const std::lock_guard lock(missing_mutex);
+    for (; !failed && !fs::exists(folder, failed); folder = folder.parent_path())
+        missing_folders().push_back(folder);
 }
 
-void begin_to_end() {
-    if (!is_ending.test_and_set()) return;
-    for (;;) pause();
+void begin_to_end(int code) {
+    if (!is_first_to_end(code)) hold_still(0);
 }
 
 void end_from_outside(const Error& reason) {
-    begin_to_end();
-    discard_unfinished_outputs();
-    remove_scratch();
+    const bool is_first = is_first_to_end(exit_code_of(reason.code()));
+    if (!is_first) usleep(last_patience_ms * 1000);
+    hold_threads_that_abort();
+    remove_folders_in_progress();
+    remove_empty_outputs();
     const std::string sentence = std::string("palpate: ") + reason.what() + "\n";
-    const ssize_t ignored = write(STDERR_FILENO, sentence.data(), sentence.size());
+    const ssize_t ignored = is_first ? write(STDERR_FILENO, sentence.data(), sentence.size()) : 0;
     (void)ignored;
-    _exit(exit_code_of(reason.code()));
+    _exit(ending_code);
 }
 
 ProgressSink interruptible(ProgressSink sink) {

@@ -23,15 +23,17 @@ bool is_interrupted();
 /// Throws Error(cancelled) once a signal has come.
 void throw_if_interrupted();
 
-/// Outputs of this run appear at `path`: unfinished ones beside it or in it are to be removed.
+/// Outputs of this run appear at `path` or in it: of the folders that are missing on the way, and
+/// of `path` itself, empty ones are removed when the program is ended from outside.
 void will_write(const std::filesystem::path& path);
 
-/// To be called before the program says its last words: they are said once. Does not come back if
-/// the program is being ended from outside already.
-void begin_to_end();
+/// To be called before the program says its last words, which are said once, and ends with `code`.
+/// Does not come back if the program is being ended from outside already.
+void begin_to_end(int code);
 
 /// Ends the program from another thread, with this reason as its last words and exit code, after
-/// its unfinished files have been removed.
+/// its unfinished files have been removed. If the program has begun to end by itself, it gets the
+/// time for that first, and keeps its words and code.
 [[noreturn]] void end_from_outside(const Error& reason);
 
 /// `sink`, and a throw at every report after a signal.

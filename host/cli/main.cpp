@@ -19,7 +19,7 @@
 namespace {
 
 int fail(int code, const std::string& message) {
-    palpate::begin_to_end();
+    palpate::begin_to_end(code);
     palpate::end_progress_line();
     fmt::print(stderr, "palpate: {}\n", message);
     return code;

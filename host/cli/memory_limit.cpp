@@ -3,6 +3,7 @@
 #include "host/cli/memory_limit.hpp"
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -25,6 +26,7 @@ namespace {
 constexpr std::size_t mib = std::size_t(1) << 20;
 constexpr std::size_t blas_buffer = 136 * mib;  ///< of address space, hardly any of it used
 constexpr std::size_t least_work = 128 * mib;   ///< beyond those buffers
+constexpr std::size_t little = 512 * mib;       ///< libraries ask for blocks of this size at once
 
 /// MiB; 0: none.
 std::size_t limit_mib() {
@@ -57,7 +59,32 @@ std::string& last_words() {
     return text;
 }
 
-void end_with_last_words(int) {
+/// Of address space; 0 if that cannot be told. As all that crashes call, safe in signal handlers.
+std::size_t mapped_bytes() {
+    char text[64];
+    const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+    if (file < 0) return 0;
+    const ssize_t length = read(file, text, sizeof text);
+    close(file);
+    std::size_t pages = 0;
+    for (ssize_t k = 0; k < length && text[k] >= '0' && text[k] <= '9'; ++k)
+        pages = 10 * pages + static_cast<std::size_t>(text[k] - '0');
+    return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+bool is_memory_short() {
+    rlimit limit{};
+    return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+           mapped_bytes() + little > limit.rlim_cur;
+}
+
+/// A crash with enough memory left has another cause: the system tells it in its own way.
+void end_with_last_words(int signal) {
+    if (!is_memory_short()) {
+        std::signal(signal, SIG_DFL);
+        raise(signal);  // takes effect at the return
+        return;
+    }
     const std::string& text = last_words();
     const ssize_t ignored = write(STDERR_FILENO, text.data(), text.size());
     _exit(ignored < 0 ? 1 : exit_code_of(ErrorCode::out_of_memory));

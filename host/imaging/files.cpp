@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <fstream>
 #include <string>
@@ -51,18 +50,17 @@ std::optional<std::string> why_unreadable(const std::filesystem::path& path) {
 
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path& temporary)>& write) {
-    static std::atomic<int> counter{0};
-    const std::string prefix = ".unfinished-" + process_mark() + std::to_string(counter++) + "-";
-    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-    const std::filesystem::path temporary = folder / (prefix + path.filename().string());
-    std::error_code error;
+    const std::filesystem::path parent = path.has_parent_path() ? path.parent_path() : ".";
+    const std::string name = path.filename().string();
     try {
+        const LockedFolder folder(parent, "." + name + ".unfinished-",
+                                  LockedFolder::Readers::everybody);
+        const std::filesystem::path temporary = folder.path() / name;
         write(temporary);
         if (!make_durable(temporary)) throw Error(ErrorCode::output_failed, "the disk refused it");
         std::filesystem::rename(temporary, path);
-        if (!make_durable(folder)) throw Error(ErrorCode::output_failed, "the disk refused it");
+        if (!make_durable(parent)) throw Error(ErrorCode::output_failed, "the disk refused it");
     } catch (const std::exception& failure) {
-        std::filesystem::remove(temporary, error);
         if (const auto* ours = dynamic_cast<const Error*>(&failure);
             ours &&
             (ours->code() == ErrorCode::unsupported || ours->code() == ErrorCode::cancelled)) {

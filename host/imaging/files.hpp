@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "host/imaging/locked_folder.hpp"
+#include "solver/base/locked_folder.hpp"
 
 namespace palpate {
 
@@ -27,8 +27,9 @@ private:
 /// permission.
 std::optional<std::string> why_unreadable(const std::filesystem::path& path);
 
-/// Lets `write` write a temporary file in the folder of `path` (same ending), makes it durable and
-/// gives it its final name: a reader never sees half a file.
+/// Lets `write` write a file of the same name in a hidden, locked folder beside `path`, makes it
+/// durable and moves it to its final place: a reader never sees half a file. Removes what processes
+/// that were killed while they wrote this file left behind.
 /// Throws Error(output_failed) naming the file; `write` may throw anything derived from
 /// std::exception.
 void write_atomically(const std::filesystem::path& path,

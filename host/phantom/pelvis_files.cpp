@@ -9,9 +9,9 @@
 #include <system_error>
 
 #include "host/imaging/io.hpp"
-#include "host/imaging/locked_folder.hpp"
 #include "host/phantom/pelvis.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/locked_folder.hpp"
 
 namespace palpate {
 namespace {

@@ -15,13 +15,13 @@
 
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
-#include "host/imaging/locked_folder.hpp"
 #include "host/report/html_report.hpp"
 #include "host/report/json_report.hpp"
 #include "host/report/text_report.hpp"
 #include "host/report/vtk_report.hpp"
 #include "host/warping/field_files.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/locked_folder.hpp"
 
 namespace palpate {
 namespace fs = std::filesystem;

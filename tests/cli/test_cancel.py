@@ -24,12 +24,13 @@ def hear_interrupts():
 class Running:
     """A program in a session of its own, with temporary files of its own."""
 
-    def __init__(self, arguments, folder):
+    def __init__(self, arguments, folder, **environment):
         self.temporary = folder / "temporary"
         self.temporary.mkdir()
         self.process = subprocess.Popen(
             [str(PROGRAM), *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            text=True, start_new_session=True, preexec_fn=hear_interrupts, env={**os.environ, "TMPDIR": str(self.temporary)})
+            text=True, start_new_session=True, preexec_fn=hear_interrupts,
+            env={**os.environ, "TMPDIR": str(self.temporary), **environment})
 
     def wait_for(self, word):
         """Until a line of progress holds the word."""
@@ -43,12 +44,21 @@ class Running:
         begin = time.monotonic()
         for one in signals:
             self.process.send_signal(one)
-        self.text = self.process.communicate(timeout=120)[1]
+        try:
+            self.text = self.process.communicate(timeout=120)[1]
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
         return time.monotonic() - begin
 
+    def in_memory(self):
+        """PoCL's private folder, where the system has room for it in memory."""
+        return list(pathlib.Path("/dev/shm").glob(f"palpate-*-{self.process.pid}-*"))
+
     def left_behind(self, *folders):
-        """Temporary files, unfinished results and processes."""
+        """Temporary files, PoCL's among them, unfinished results and processes."""
         files = [str(path) for path in self.temporary.rglob("*")]
+        files += map(str, self.in_memory())
         files += [str(path) for folder in folders for path in folder.rglob(".*")]
         processes = []
         for entry in pathlib.Path("/proc").iterdir():
@@ -115,6 +125,54 @@ def test_a_second_signal_ends_it_at_once(phantom, tmp_path, work):
     seconds = running.stop(signal.SIGINT, signal.SIGINT)
 
     assert_stopped(running, seconds, work)
+
+
+def test_a_second_signal_leaves_no_folder_of_pocl(phantom, tmp_path, work):
+    running = Running(recover_arguments(phantom, work / "out", "--backend", "opencl"), tmp_path)
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and not [*running.in_memory(), *running.temporary.glob("*/*pocl*")]:
+        time.sleep(0.001)
+
+    seconds = running.stop(signal.SIGINT, signal.SIGINT)
+
+    assert_stopped(running, seconds, work)
+
+
+def test_no_empty_folder_of_several_targets_is_left(phantom, tmp_path, work):
+    target = phantom / "target.nii.gz"
+    arguments = recover_arguments(phantom, work / "new" / "out", target)
+    running = Running([a for a in arguments if a != "--quiet"], tmp_path)
+    running.wait_for("writing")
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline and not (work / "new" / "out").exists():
+        time.sleep(0.001)
+
+    seconds = running.stop(signal.SIGINT, signal.SIGINT)
+
+    assert_stopped(running, seconds, work)
+    assert not (work / "new").exists() or list((work / "new" / "out").iterdir())
+
+
+HANGS_AT_EXIT = """
+#include <unistd.h>
+__attribute__((destructor)) static void hang(void) { for (;;) pause(); }
+"""
+
+
+def test_a_library_that_hangs_at_exit_is_ended_too(tmp_path):
+    (tmp_path / "hang.c").write_text(HANGS_AT_EXIT)
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", tmp_path / "hang.so", tmp_path / "hang.c"], check=True)
+    running = Running(["recover", "nowhere.nii", "nowhere.nii", "--config", "nowhere.toml", "--out",
+                       tmp_path / "out"], tmp_path, LD_PRELOAD=str(tmp_path / "hang.so"))
+    running.wait_for("palpate: ")
+
+    seconds = running.stop(signal.SIGINT)
+
+    print(f"{seconds:.2f} s to stop")
+    assert running.process.returncode == 3  # as it said: the file cannot be read
+    assert running.text == ""
+    assert running.left_behind() == []
+    assert seconds < SLACK_S
 
 
 @pytest.mark.parametrize("command, stage, later_s", [

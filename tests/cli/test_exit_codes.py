@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
 """Every documented exit code is reached, with one sentence."""
+import os
 import re
 import resource
 import signal
@@ -98,6 +99,33 @@ def test_is_reached(code, reach, phantom, tmp_path):
         lines = finished.stderr.strip().splitlines()
         assert len(lines) == 1 and lines[0].startswith("palpate: ") and word in lines[0], finished.stderr
         assert not (tmp_path / "out").exists()
+
+
+MIB = 1 << 20
+
+
+def limit_memory(mib):
+    return lambda: resource.setrlimit(resource.RLIMIT_AS, (mib * MIB, mib * MIB))
+
+
+def test_a_crash_is_told_as_one_where_the_limit_of_memory_is_far(phantom, tmp_path):
+    arguments = [str(a) for a in recover_arguments(phantom, tmp_path / "out") if a != "--quiet"]
+    process = subprocess.Popen([str(PROGRAM), *arguments], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True, preexec_fn=limit_memory(200 << 10))
+    process.stderr.readline()
+    process.send_signal(signal.SIGSEGV)
+    text = process.communicate(timeout=60)[1]
+
+    assert process.returncode == -signal.SIGSEGV, text
+    assert "limit" not in text
+
+
+def test_no_temporary_files_are_left_where_memory_is_limited(tmp_path):
+    finished = subprocess.run([str(PROGRAM), "devices"], capture_output=True, text=True, timeout=60,
+                              preexec_fn=limit_memory(200 << 10), env={**os.environ, "TMPDIR": str(tmp_path)})
+
+    assert finished.returncode == 0, finished.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_table_is_what_is_documented():

@@ -2,58 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/backends/opencl/pocl_environment.hpp"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <sys/statvfs.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "solver/backends/opencl/program_file.hpp"
+#include "solver/base/error.hpp"
+#include "solver/base/locked_folder.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string folder_prefix = "palpate-pocl-";
+const std::string folder_prefix = "palpate-pocl-cache-";
 
-struct PrivateFolder {
-    std::string path;
-    pid_t owner = 0;  ///< a forked child must not remove its parent's folder
-};
-
-PrivateFolder& private_folder() {
-    static PrivateFolder* folder = new PrivateFolder;  // outlives every exit handler
+/// Of this process; none before it is made and where it cannot be made.
+std::unique_ptr<LockedFolder>& private_folder() {
+    static auto* folder = new std::unique_ptr<LockedFolder>;  // outlives every exit handler
     return *folder;
 }
 
-void remove_private_folder() {
-    const PrivateFolder& folder = private_folder();
-    std::error_code ignored;
-    if (folder.owner == getpid()) fs::remove_all(folder.path, ignored);
-}
-
-// "palpate-pocl-<pid>-XXXXXX" whose process is gone was left behind by a crash.
-bool is_left_behind(const std::string& name) {
-    if (name.rfind(folder_prefix, 0) != 0) return false;
-    const long pid = std::strtol(name.c_str() + folder_prefix.size(), nullptr, 10);
-    return pid > 0 && kill(static_cast<pid_t>(pid), 0) != 0 && errno == ESRCH;
-}
-
-void remove_folders_left_behind(const fs::path& parent) {
-    std::error_code ignored;
-    for (fs::directory_iterator it(parent, ignored), end; it != end; it.increment(ignored)) {
-        if (ignored) return;
-        std::error_code not_ours;
-        if (is_left_behind(it->path().filename().string())) fs::remove_all(it->path(), not_ours);
-    }
-}
+void remove_private_folder() { private_folder().reset(); }
 
 /// PoCL brings every file to disk, which takes a third of a second on a busy one: better a file
 /// system in memory, if it has room and lets code be loaded from it.
@@ -76,17 +52,21 @@ std::vector<fs::path> places() {
     return found;
 }
 
+/// Also removes, in every place, what processes that were killed left behind.
 void make_private_folder() {
     if (getenv("POCL_CACHE_DIR")) return;
     for (const fs::path& parent : places()) {
-        remove_folders_left_behind(parent);
-        if (!private_folder().path.empty()) continue;
-        std::string path =
-            (parent / (folder_prefix + std::to_string(getpid()) + "-XXXXXX")).string();
-        if (mkdtemp(path.data())) private_folder() = {path, getpid()};
+        remove_left_behind(parent, folder_prefix);
+        if (private_folder()) continue;
+        try {
+            private_folder() =
+                std::make_unique<LockedFolder>(parent, folder_prefix, LockedFolder::Readers::owner);
+        } catch (const Error&) {
+            continue;
+        }
     }
-    if (private_folder().path.empty()) return;  // PoCL then uses its own default
-    setenv("POCL_CACHE_DIR", private_folder().path.c_str(), 1);
+    if (!private_folder()) return;  // PoCL then uses its own default
+    setenv("POCL_CACHE_DIR", private_folder()->path().c_str(), 1);
     std::atexit(remove_private_folder);
     std::at_quick_exit(remove_private_folder);
 }

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -45,7 +47,7 @@ protected:
 };
 
 TEST_F(PoclEnvironmentTest, CacheIsPrivateToTheProcessAndGoneAtExit) {
-    fs::create_directories(temp / "palpate-pocl-999999999-left" / "deep");
+    fs::create_directories(temp / "palpate-pocl-cache-host-1-left" / "deep");
 
     const std::string first = seen_with("").folder;
     const std::string second = seen_with("").folder;
@@ -54,6 +56,21 @@ TEST_F(PoclEnvironmentTest, CacheIsPrivateToTheProcessAndGoneAtExit) {
     EXPECT_NE(first, second);
     EXPECT_FALSE(fs::exists(first) || fs::exists(second));
     EXPECT_TRUE(fs::is_empty(temp)) << "a folder of this or of a dead process was left";
+}
+
+/// As processes of another machine or container look here.
+TEST_F(PoclEnvironmentTest, FolderInUseIsKeptThoughNoProcessOfThatNumberIsHere) {
+    const fs::path left = temp / "palpate-pocl-999999999-left";
+    const fs::path of_another = temp / "palpate-pocl-cache-host-999999999-used";
+    for (const fs::path& folder : {left, of_another}) fs::create_directories(folder);
+    const int lock = open(of_another.c_str(), O_RDONLY | O_DIRECTORY);
+    ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
+
+    seen_with("");
+
+    EXPECT_TRUE(fs::exists(of_another));
+    EXPECT_TRUE(fs::exists(left)) << "of another version: it may be in use";
+    close(lock);
 }
 
 TEST_F(PoclEnvironmentTest, CacheIsPrivateWithoutATemporaryFolderToo) {

@@ -5,9 +5,9 @@
 #include <set>
 
 #include "host/imaging/io.hpp"
-#include "host/imaging/locked_folder.hpp"
 #include "host/meshing/io.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/locked_folder.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 #include "tests/unit/report/temporary_folder.hpp"
 
