@@ -169,6 +169,17 @@ void run_in_child(const std::function<void()>& work, const ReadingLimits& limits
     throw Error(ErrorCode::input_unreadable, cause_of(status));
 }
 
+void write_in_child(const std::function<void()>& write, std::size_t num_bytes) {
+    ReadingLimits limits;  // writers hold several copies, and may compress for long
+    limits.memory_bytes += 8 * num_bytes;
+    limits.seconds = 60 + static_cast<int>(num_bytes >> 22);
+    try {
+        run_in_child(write, limits);
+    } catch (const Error&) {
+        throw Error(ErrorCode::output_failed, "it could not be written whole");
+    }
+}
+
 void rehearse(const std::filesystem::path& path, const std::function<void()>& read) {
     std::error_code failed;
     const std::uintmax_t size = std::filesystem::file_size(path, failed);

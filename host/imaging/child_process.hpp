@@ -36,6 +36,10 @@ struct ReadingLimits {
 void run_in_child(const std::function<void()>& work, const ReadingLimits& limits = {},
                   const std::function<void()>& tick = {});
 
+/// Runs `write`, which brings `num_bytes` to a file, in a child: for writers of other projects,
+/// which print or crash when the disk is full. Throws Error(output_failed) if anything went wrong.
+void write_in_child(const std::function<void()>& write, std::size_t num_bytes);
+
 /// Runs `read` in a child and throws away what it has read.
 void rehearse(const std::filesystem::path& path, const std::function<void()>& read);
 

@@ -162,7 +162,7 @@ void write_displacement_transform(const std::filesystem::path& path, const Image
         const auto writer = itk::TransformFileWriterTemplate<float>::New();
         writer->SetFileName(temporary.string());
         writer->SetInput(transform);
-        writer->Update();
+        write_in_child([&] { writer->Update(); }, 3 * sizeof(float) * image.voxels.size());
     });
 }
 

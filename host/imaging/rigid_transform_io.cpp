@@ -108,7 +108,7 @@ void write_rigid_transform(const std::filesystem::path& path, const RigidTransfo
         const auto writer = itk::TransformFileWriterTemplate<double>::New();
         writer->SetFileName(temporary.string());
         writer->SetInput(rigid);
-        writer->Update();
+        write_in_child([&] { writer->Update(); }, 0);
     });
 }
 

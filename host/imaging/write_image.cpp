@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
 #include "host/imaging/preflight.hpp"
@@ -75,8 +76,12 @@ void write_volume(const std::filesystem::path& path, const ImageGrid& grid,
     encoder->SetUseCompression(true);
     write_atomically(path, [&](const std::filesystem::path& temporary) {
         encoder->SetFileName(temporary.string());
-        encoder->WriteImageInformation();
-        encoder->Write(values.data());
+        write_in_child(
+            [&] {
+                encoder->WriteImageInformation();
+                encoder->Write(values.data());
+            },
+            values.size() * sizeof(T));
         // The encoder does not notice a full disk; the check of a reader does.
         num_components == 1 ? preflight(temporary) : preflight_vectors(temporary);
     });

@@ -103,18 +103,20 @@ Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_char_p, ctyp
                             ctypes.c_char_p)
 
 
-class SolverOptions(ctypes.Structure):
-    _fields_ = [("struct_size", ctypes.c_size_t), ("method", ctypes.c_char_p),
-                ("backend", ctypes.c_char_p), ("device", ctypes.c_char_p), ("use_double", ctypes.c_int),
-                ("relative_tolerance", ctypes.c_double), ("expected_columns", ctypes.c_int32),
-                ("progress", Callback), ("user", ctypes.c_void_p)]
-
-
 class RecoverOptions(ctypes.Structure):
+    """palpate_recover_options of palpate.h; `made` checks the size."""
     _fields_ = [("struct_size", ctypes.c_size_t), ("settings_toml", ctypes.c_char_p),
                 ("align", ctypes.c_char_p), ("mesh_program", ctypes.c_char_p),
-                ("num_nodes", ctypes.c_int32), ("solver", SolverOptions), ("progress", Callback),
-                ("user", ctypes.c_void_p)]
+                ("mesh", ctypes.c_char_p), ("num_nodes", ctypes.c_int32),
+                ("material", ctypes.c_char_p), ("solver", ctypes.c_void_p), ("progress", Callback),
+                ("progress_user", ctypes.c_void_p)]
+
+    @classmethod
+    def made(cls, library):
+        options = cls()
+        library.palpate_recover_options_init(ctypes.byref(options))
+        assert options.struct_size == ctypes.sizeof(cls), "palpate.h has other options than this file"
+        return options
 
 
 class Recovery:
@@ -122,8 +124,7 @@ class Recovery:
 
     def __init__(self, phantom, cancel_at):
         library = ctypes.CDLL(str(LIBRARY))
-        options = RecoverOptions()
-        library.palpate_recover_options_init(ctypes.byref(options))
+        options = RecoverOptions.made(library)
         options.settings_toml = (phantom / "organs.toml").read_bytes()
         options.mesh_program = str(PROGRAM.parent / "palpate-mesh").encode()
         self.calls, self.gaps, self.cancelled_at = 0, [], None

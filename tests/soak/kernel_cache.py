@@ -3,7 +3,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """R22: many processes may share the folder of compiled kernels; a damaged entry is made anew; where
 there is no such folder, or nothing can be written, palpate goes on without it."""
-import os
 import pathlib
 import random
 import shutil
@@ -85,33 +84,83 @@ def damaged_pocl_cache(scene, pattern):
     return None if fine else f"{pattern}: {finished}"
 
 
-def unusable_places(scene, warm):
-    read_only = scene.fresh() / "cache"
-    shutil.copytree(warm, read_only)
-    os.chmod(read_only, 0o500)
-    a_file = scene.fresh() / "file"
+class Namespace:
+    """A file system of its own for one program: permissions do not stop root, mounts do. Where the
+    system does not allow that, `works` is false."""
+
+    def __init__(self):
+        choices = (["--mount"], ["--mount", "--map-root-user"])
+        working = [words for words in choices
+                   if run(*words, "mount", "-t", "tmpfs", "tmpfs", "/dev/shm", program="unshare").code == 0]
+        self.works, self._words = bool(working), (working or [[]])[0]
+
+    def solve(self, mounts, cache, **more):
+        """As `solve`, after these commands of `mount`."""
+        commands = "".join(f"mount {words} && " for words in mounts)
+        return run(*self._words, "sh", "-c", f'{commands} exec "$0" opencl jacobi 1', BIN / "solve_client",
+                   program="unshare", limit_s=120, environment={"PALPATE_CACHE_DIR": str(cache), **more})
+
+
+def is_solved(finished):
+    return None if finished.code == 0 else str(finished)
+
+
+def places_for_kernels(scene):
+    """What is wrong with runs that cannot keep kernels, by name."""
+    a_file, full = scene.fresh() / "file", scene.fresh()
     a_file.write_text("no folder")
-    full = scene.fresh()
-    temp = scene.fresh()
-    cases = {
-        "read-only, warm": solve(read_only),
-        "of the system": solve("/proc/palpate"),
-        "a file": solve(a_file),
-        "below a file": solve(a_file / "cache"),
-        "missing": solve(scene.fresh() / "a" / "b"),
-        "full": solve(full, LD_PRELOAD=str(FILE_FAULTS), PALPATE_FAULT_FOLDER=str(full),
-                      PALPATE_FAULT_ACTION="ENOSPC", PALPATE_FAULT_AT="2"),
-        "temporary folder missing": solve(warm, TMPDIR=str(temp / "gone")),
-        "temporary folder read-only": solve(warm, TMPDIR="/proc"),
-        "temporary folder missing, cold": solve(scene.fresh(), TMPDIR=str(temp / "gone")),
-        "temporary folder full, cold": solve(
-            scene.fresh(), TMPDIR=str(temp), LD_PRELOAD=str(FILE_FAULTS),
-            PALPATE_FAULT_FOLDER=str(temp), PALPATE_FAULT_ACTION="ENOSPC", PALPATE_FAULT_AT="1"),
+    return {
+        "of the system": is_solved(solve("/proc/palpate")),
+        "a file": is_solved(solve(a_file)),
+        "below a file": is_solved(solve(a_file / "cache")),
+        "full": is_solved(solve(full, LD_PRELOAD=str(FILE_FAULTS), PALPATE_FAULT_FOLDER=str(full),
+                                PALPATE_FAULT_ACTION="ENOSPC", PALPATE_FAULT_AT="2")),
     }
-    fine = {name: (0, 8) if name.startswith("temporary folder full") else (0,) for name in cases}
-    failures = [f"{name}: {finished}" for name, finished in cases.items()
-                if finished.code not in fine[name]]
-    return share("R22", "folders that cannot be used", failures, len(cases), "goes on without")
+
+
+def falls_back(namespace, warm, mounts, expected, action="none", **more):
+    """What is wrong with a run that writes nothing (all its kernels are there) but the private folder
+    of PoCL, which should come to lie in `expected`; with `action`, that is full, too, and PoCL may
+    give up (code 8)."""
+    report = warm.parent / "report"
+    report.unlink(missing_ok=True)
+    finished = namespace.solve(mounts, warm, LD_PRELOAD=str(FILE_FAULTS),
+                               PALPATE_FAULT_FOLDER=str(expected), PALPATE_FAULT_ACTION=action,
+                               PALPATE_FAULT_AT="1" if action != "none" else "0",
+                               PALPATE_FAULT_REPORT=str(report), **more)
+    if not report.exists():
+        return f"nothing was written to {expected}: {finished}"
+    fine = finished.code in ((0,) if action == "none" else (0, 8))
+    return None if fine else str(finished)
+
+
+def places_for_pocl(scene, warm):
+    """The same where file systems can be hidden from a program: none where they cannot."""
+    namespace = Namespace()
+    if not namespace.works:
+        return {}
+    place, sealed = scene.fresh(), scene.fresh()
+    hidden = "-t tmpfs -o {} tmpfs /dev/shm"
+    read_only = [hidden.format("ro")]
+    seal = [f"--bind {warm} {sealed}", f"-o remount,bind,ro {sealed}"]
+    return {
+        "read-only, warm": is_solved(namespace.solve(seal, sealed)),
+        "/dev/shm read-only": falls_back(namespace, warm, read_only, place, TMPDIR=str(place)),
+        "/dev/shm without code": falls_back(namespace, warm, [hidden.format("noexec")], place,
+                                            TMPDIR=str(place)),
+        "/dev/shm small": falls_back(namespace, warm, [hidden.format("size=1m")], place,
+                                     TMPDIR=str(place)),
+        "and TMPDIR missing": falls_back(namespace, warm, read_only, "/tmp",
+                                         TMPDIR=str(place / "gone")),
+        "and TMPDIR of the system": falls_back(namespace, warm, read_only, "/tmp", TMPDIR="/proc"),
+        "and TMPDIR full": falls_back(namespace, warm, read_only, place, "ENOSPC", TMPDIR=str(place)),
+    }
+
+
+def unusable_places(scene, warm):
+    found = {**places_for_kernels(scene), **places_for_pocl(scene, warm)}
+    failures = [f"{name}: {why}" for name, why in found.items() if why]
+    return share("R22", "folders that cannot be used", failures, len(found), "goes on without")
 
 
 def warm_start(scene, warm, times):

@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """R30: the tests under sanitizers (address, undefined behaviour, threads), and every kernel under oclgrind.
 Has only a long form: it builds everything twice, in build/sanitize and build/sanitize-thread."""
+import json
 import pathlib
 import re
 import subprocess
@@ -12,11 +13,6 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent.parent))
 from tests.soak.figures import Figure, main  # noqa: E402
 from tests.soak.runs import BIN, OPENCL_FAULTS, ROOT, Scene, run  # noqa: E402
 
-SUITES = ["solver_test", "inverse_test", "backend_contract_test", "linear_solver_contract_test",
-          "material_contract_test", "solid_contract_test", "equilibrium_contract_test",
-          "unit_opencl_test", "imaging_test", "meshing_test", "mesher_test", "extract_test",
-          "unit_modelling", "unit_report", "unit_simulation", "pipeline_test", "phantom_test",
-          "c_solver_client", "handles_client"]
 # Those whose code starts threads of its own.
 THREADED = ["solver_test", "inverse_test", "linear_solver_contract_test", "solid_contract_test",
             "equilibrium_contract_test", "handles_client"]
@@ -32,14 +28,32 @@ OPTIONS = {
 }
 
 
-def under(preset, suites):
+def commands_of(preset, programs):
+    """What ctest runs of this build, by name: each of its programs once, with all its cases. Those
+    that are Python, or test a build and not its code, are left out."""
+    listed = subprocess.run(["ctest", "--show-only=json-v1"], cwd=programs.parent, check=True,
+                            capture_output=True, text=True)
+    commands = {}
+    for test in json.loads(listed.stdout)["tests"]:
+        program, *words = test.get("command", [""])
+        if pathlib.Path(program).parent == programs:
+            commands[pathlib.Path(program).name] = [
+                program, *(word for word in words if not word.startswith("--gtest_"))]
+    assert commands, f"ctest lists no test of {preset}"
+    return commands
+
+
+def under(preset, chosen=None):
+    """All tests of this preset, or those chosen."""
     subprocess.run(["cmake", "--preset", preset], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["nice", "cmake", "--build", "--preset", preset, "--target", *suites,
-                    "palpate-mesh"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    programs = ROOT / "build" / preset / "bin"
+    subprocess.run(["nice", "cmake", "--build", "--preset", preset, "--target",
+                    *(chosen or ["all"]), "palpate-mesh"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    commands = commands_of(preset, ROOT / "build" / preset / "bin")
+    suites = chosen or sorted(commands)
     reports, failed = [], []
     for suite in suites:
-        finished = run(program=programs / suite, environment=OPTIONS, limit_s=7200, cwd=ROOT)
+        program, *words = commands[suite]
+        finished = run(*words, program=program, environment=OPTIONS, limit_s=7200, cwd=ROOT)
         text = finished.stdout + finished.stderr
         reports += [f"{suite}: {line}" for line in text.splitlines() if REPORT.search(line)]
         if finished.code != 0:
@@ -85,7 +99,7 @@ def oclgrind():
 def figures(long):
     if not long:
         return []
-    return oclgrind() + under("sanitize", SUITES) + under("sanitize-thread", THREADED)
+    return oclgrind() + under("sanitize") + under("sanitize-thread", THREADED)
 
 
 if __name__ == "__main__":

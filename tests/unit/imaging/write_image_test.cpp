@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
 
 #include "host/imaging/io.hpp"
 #include "solver/base/error.hpp"
@@ -97,6 +101,49 @@ TEST(WriteImage, LeavesNoTemporaryFiles) {
         ++count;
     }
     EXPECT_EQ(count, 1);
+}
+
+/// No file of this process gets longer, as on a full disk.
+class ShortFiles {
+public:
+    explicit ShortFiles(rlim_t most_bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        const rlimit limit{most_bytes, before_.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~ShortFiles() {
+        setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    ShortFiles(const ShortFiles&) = delete;
+    ShortFiles& operator=(const ShortFiles&) = delete;
+
+private:
+    rlimit before_{};
+    void (*handler_)(int);
+};
+
+TEST(WriteImage, RefusesToLeaveAFieldThatTheDiskCutOff) {
+    const ScratchFolder folder;
+    using Writer = void (*)(const std::filesystem::path&, const Image<Vec3>&);
+    const std::pair<const char*, Writer> writers[] = {
+        {"field.nii.gz", write_vector_image},
+        {"field.nii", write_vector_image},
+        {"field.h5", write_displacement_transform},
+    };
+    for (const auto& [name, write] : writers) {
+        for (const rlim_t most_bytes : {0, 100}) {
+            const ShortFiles limit(most_bytes);
+            try {
+                write(folder / name, vector_image());
+                ADD_FAILURE() << name << " within " << most_bytes << " bytes";
+            } catch (const Error& error) {
+                EXPECT_EQ(error.code(), ErrorCode::output_failed) << name << ' ' << most_bytes;
+                EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+            }
+            EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name << ' ' << most_bytes;
+        }
+    }
 }
 
 }  // namespace
