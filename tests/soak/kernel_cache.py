@@ -182,15 +182,17 @@ def figures(long):
         patterns = ("truncate", "zero", "flip", "empty", "remove", "garbage")
         mended = in_parallel(lambda pattern: healed(warm, scene, pattern), patterns)
         untouched = [damaged_pocl_cache(scene, "PoCL's own folder at home is garbage")]
-        return [
+        found = [
             at_once(scene, 8, 1600 if long else 8),
             share("R22", "damaged entries", [text for text in mended if text], len(patterns),
                   "made anew"),
             share("R22", "damage in PoCL's shared folder", [text for text in untouched if text],
                   len(untouched), "not used"),
             unusable_places(scene, warm),
-            warm_start(scene, warm, 21 if long else 7),
         ]
+        if long:  # on a busy machine times say nothing
+            found.append(warm_start(scene, warm, 21))
+        return found
 
 
 if __name__ == "__main__":
