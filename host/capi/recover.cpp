@@ -13,6 +13,7 @@
 #include "host/imaging/grid_check.hpp"
 #include "host/report/json_report.hpp"
 #include "host/report/result_folder.hpp"
+#include "solver/base/large_blocks.hpp"
 
 using namespace palpate;
 using capi::completed;
@@ -70,6 +71,7 @@ palpate_status recovered(const palpate_recover_options* options, palpate_result*
     return guarded([&] {
         require(result, "the place for the result");
         *result = nullptr;
+        keep_large_blocks();
         const auto chosen =
             completed(options, palpate_recover_options_init, "the options of the recovery");
         const RecoverOptions inner = recover_options(chosen);
