@@ -2,21 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <iterator>
-
 #include "host/exporting/engineering_units.hpp"
+#include "host/exporting/text_out.hpp"
 #include "host/exporting/write_model.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-using Out = fmt::memory_buffer;
-
-template <typename... Arguments>
-void add(Out& out, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(out), text, std::forward<Arguments>(arguments)...);
-}
+using Out = TextOut;
 
 void add_mesh(const RecoveredModel& model, Out& out) {
     add(out, "*NODE, NSET=ALL\n");

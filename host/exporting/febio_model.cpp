@@ -2,20 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <iterator>
-
 #include "host/exporting/engineering_units.hpp"
+#include "host/exporting/text_out.hpp"
 #include "host/exporting/write_model.hpp"
 
 namespace palpate {
 namespace {
 
-using Out = fmt::memory_buffer;
-
-template <typename... Arguments>
-void add(Out& out, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(out), text, std::forward<Arguments>(arguments)...);
-}
+using Out = TextOut;
 
 constexpr std::array<char, 3> axis_names{'x', 'y', 'z'};
 

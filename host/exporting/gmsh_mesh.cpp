@@ -2,19 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <iterator>
-
+#include "host/exporting/text_out.hpp"
 #include "host/exporting/write_model.hpp"
 
 namespace palpate {
 namespace {
 
-using Out = fmt::memory_buffer;
-
-template <typename... Arguments>
-void add(Out& out, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(out), text, std::forward<Arguments>(arguments)...);
-}
+using Out = TextOut;
 
 constexpr int volume = 3, tetrahedron = 4;  // Gmsh's dimension and element type
 

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/warping/displacement_field.hpp"
 
-#include <algorithm>
 #include <cmath>
+
+#include "host/warping/linear_value.hpp"
 
 namespace palpate {
 namespace {
@@ -13,22 +14,7 @@ constexpr double inversion_tolerance_mm = 1e-5;  // a hundredth of what is promi
 }  // namespace
 
 Vec3 displacement_at(const Image<Vec3>& field, const Vec3& point) {
-    const Vec3 index = field.grid.to_index(point);
-    std::array<Index, 3> low{}, high{};
-    Vec3 t;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double x = std::clamp(index[axis], 0.0, field.grid.size[axis] - 1.0);
-        low[axis] = static_cast<Index>(x);
-        high[axis] = std::min<Index>(low[axis] + 1, field.grid.size[axis] - 1);
-        t[axis] = x - low[axis];
-    }
-    const auto along_i = [&](Index j, Index k) -> Vec3 {
-        return (1 - t[0]) * field.at(low[0], j, k) + t[0] * field.at(high[0], j, k);
-    };
-    const auto along_j = [&](Index k) -> Vec3 {
-        return (1 - t[1]) * along_i(low[1], k) + t[1] * along_i(high[1], k);
-    };
-    return (1 - t[2]) * along_j(low[2]) + t[2] * along_j(high[2]);
+    return linear_value<Vec3>(field, point);
 }
 
 bool is_inside(const ImageGrid& grid, const Vec3& point) {

@@ -9,6 +9,7 @@
 #include "host/imaging/cubic_bspline.hpp"
 #include "host/imaging/label_field.hpp"
 #include "host/imaging/parallel.hpp"
+#include "host/warping/linear_value.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -53,25 +54,6 @@ template <typename T>
 T nearest_value(const Image<T>& image, const Vec3& point) {
     const auto [i, j, k] = nearest_voxel(image.grid, image.grid.to_index(point));
     return image.at(i, j, k);
-}
-
-float linear_value(const Image<float>& image, const Vec3& point) {
-    const Vec3 index = image.grid.to_index(point);
-    std::array<Index, 3> low{}, high{};
-    Vec3 t;
-    for (int a = 0; a < 3; ++a) {
-        const double x = std::clamp(index[a], 0.0, image.grid.size[a] - 1.0);
-        low[a] = static_cast<Index>(x);
-        high[a] = std::min<Index>(low[a] + 1, image.grid.size[a] - 1);
-        t[a] = x - low[a];
-    }
-    const auto along_i = [&](Index j, Index k) {
-        return (1 - t[0]) * image.at(low[0], j, k) + t[0] * image.at(high[0], j, k);
-    };
-    const auto along_j = [&](Index k) {
-        return (1 - t[1]) * along_i(low[1], k) + t[1] * along_i(high[1], k);
-    };
-    return static_cast<float>((1 - t[2]) * along_j(low[2]) + t[2] * along_j(high[2]));
 }
 
 /// Cubic B-spline through the voxels of an image, good up to its border: two voxels are mirrored
@@ -143,7 +125,7 @@ Warped<float> warp_image(const Image<float>& image, const PointMap& back, const 
                         [&](const Vec3& x) { return nearest_value(image, x); });
         case Interpolation::linear:
             return warp(image.grid, back, grid, fill,
-                        [&](const Vec3& x) { return linear_value(image, x); });
+                        [&](const Vec3& x) { return linear_value<double>(image, x); });
         case Interpolation::cubic:
             return warp(image.grid, back, grid, fill, Spline(image));
         case Interpolation::smooth:
