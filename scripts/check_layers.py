@@ -42,9 +42,10 @@ ALLOWED = {
     "host/study": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
     "host/simulation": SOLVER + STATIONS + ["host/pipeline"],
     "host/exporting": SOLVER + STATIONS,
-    "host/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study",
+    "host/program": BACKEND,
+    "host/cli": SOLVER + STATIONS + ["host/program"] + ["host/phantom", "host/pipeline", "host/study",
                                      "host/simulation", "host/exporting"],
-    "host/slicer": SOLVER + STATIONS + ["host/pipeline"],
+    "host/slicer": SOLVER + STATIONS + ["host/pipeline", "host/program"],
     "host/python": ["host/capi"],
     "host/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
 }

@@ -7,9 +7,9 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
 #include "host/phantom/pelvis.hpp"
+#include "host/program/interrupt.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -6,8 +6,8 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/interrupt.hpp"
 #include "host/cli/time_limit.hpp"
+#include "host/program/interrupt.hpp"
 #include "host/report/result_folder.hpp"
 #include "host/simulation/simulation_findings.hpp"
 #include "host/simulation/simulation_folder.hpp"

@@ -7,8 +7,8 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/interrupt.hpp"
 #include "host/cli/options.hpp"
+#include "host/program/interrupt.hpp"
 #include "host/study/run_study.hpp"
 #include "host/study/studies.hpp"
 #include "solver/base/error.hpp"

@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-#include "host/cli/interrupt.hpp"
+#include "host/program/interrupt.hpp"
 
 namespace palpate {
 namespace {

@@ -2,28 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
-#include <cerrno>
-#include <csignal>
-#include <functional>
-#include <new>
-#include <system_error>
-
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/interrupt.hpp"
-#include "host/cli/memory_limit.hpp"
 #include "host/pipeline/version.hpp"
+#include "host/program/memory_limit.hpp"
+#include "host/program/run_program.hpp"
 #include "solver/base/error.hpp"
-#include "solver/base/large_blocks.hpp"
 
 namespace {
-
-int fail(int code, const std::string& message) {
-    palpate::begin_to_end(code);
-    palpate::end_progress_line();
-    fmt::print(stderr, "palpate: {}\n", message);
-    return code;
-}
 
 int parse_and_run(int argc, char** argv) {
     CLI::App app{
@@ -48,44 +34,16 @@ int parse_and_run(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return fail(exit_code_of(palpate::ErrorCode::invalid_argument),
-                    fmt::format("{}; see `palpate --help`", error.what()));
+        throw palpate::Error(palpate::ErrorCode::invalid_argument,
+                             fmt::format("{}; see `palpate --help`", error.what()));
     }
     palpate::prepare_for_memory_limit();
     return run();
 }
 
-/// What `work` throws, as a sentence and an exit code. Whatever breaks once a signal has come, a
-/// child that was ended by it for example, was stopped and did not fail.
-int guarded(const std::function<int()>& work) {
-    constexpr const char* out_of_memory =
-        "out of memory; use fewer --nodes or coarser label volumes";
-    const int out_of_memory_code = exit_code_of(palpate::ErrorCode::out_of_memory);
-    try {
-        try {
-            return work();
-        } catch (...) {
-            palpate::throw_if_interrupted();
-            throw;
-        }
-    } catch (const palpate::Error& error) {
-        return fail(exit_code_of(error.code()), error.what());
-    } catch (const std::bad_alloc&) {
-        return fail(out_of_memory_code, out_of_memory);
-    } catch (const std::system_error& error) {
-        const int reason = error.code().value();  // a thread that cannot be started
-        if (reason == EAGAIN || reason == ENOMEM) return fail(out_of_memory_code, out_of_memory);
-        return fail(1, fmt::format("internal error: {}; please report it", error.what()));
-    } catch (const std::exception& error) {
-        return fail(1, fmt::format("internal error: {}; please report it", error.what()));
-    }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-    palpate::keep_large_blocks();
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of writing it
-    palpate::catch_interrupts();
-    palpate::end_program(guarded([&] { return parse_and_run(argc, argv); }));
+    palpate::run_program(
+        "palpate", [&] { return parse_and_run(argc, argv); }, palpate::end_progress_line);
 }

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-#include "host/cli/interrupt.hpp"
+#include "host/program/interrupt.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -11,12 +11,13 @@
 
 #include "host/imaging/files.hpp"
 #include "host/pipeline/version.hpp"
+#include "host/program/interrupt.hpp"
+#include "host/program/memory_limit.hpp"
+#include "host/program/run_program.hpp"
 #include "host/report/result_folder.hpp"
 #include "host/report/text_report.hpp"
 #include "host/slicer/progress_tags.hpp"
 #include "host/slicer/recover_module.hpp"
-#include "solver/base/error.hpp"
-#include "solver/base/large_blocks.hpp"
 
 namespace palpate {
 
@@ -40,9 +41,11 @@ void write_return_parameters(const ModuleArguments& arguments, const std::string
 /// A search that did not converge has outputs all the same: the summary says so.
 void run_module(const ModuleArguments& arguments) {
     ProgressTags tags(stdout);
-    const ProgressSink progress = [&](const Progress& step) { tags.tell(step); };
+    const ProgressSink progress = interruptible([&](const Progress& step) { tags.tell(step); });
     tags.start("palpate", "stiffness from two segmentations");
+    prepare_for_memory_limit();
     const RecoverOptions options = module_options(arguments);
+    will_write(arguments.text("resultFolder"));
     const RecoveryResult result =
         recover(read_segmentation(arguments.text("reference")),
                 read_segmentation(arguments.text("target")), options, progress);
@@ -72,24 +75,11 @@ int parse_and_run(const std::vector<std::string>& words) {
     return 0;
 }
 
-int fail(int code, const std::string& message) {
-    fmt::print(stderr, "palpate-slicer: {}\n", message);
-    return code;
-}
-
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-    palpate::keep_large_blocks();
-    try {
+    palpate::run_program("palpate-slicer", [&] {
         return palpate::parse_and_run({argv + 1, argv + argc});
-    } catch (const palpate::Error& error) {
-        return palpate::fail(exit_code_of(error.code()), error.what());
-    } catch (const std::bad_alloc&) {
-        return palpate::fail(exit_code_of(palpate::ErrorCode::out_of_memory),
-                             "out of memory; use fewer --nodes or coarser label volumes");
-    } catch (const std::exception& error) {
-        return palpate::fail(1, fmt::format("internal error: {}; please report it", error.what()));
-    }
+    });
 }

@@ -183,6 +183,20 @@ def test_a_killed_module_leaves_no_output_behind(description, phantom, tmp_path)
         assert not [name for name in os.listdir(tmp_path) if not name.startswith(".")]
 
 
+def test_a_module_that_is_told_to_stop_says_so_and_leaves_no_output(description, phantom, tmp_path):
+    command = stub_host.command_line(MODULE, description, inputs(phantom, tmp_path),
+                                     tmp_path / "return.txt")
+    with subprocess.Popen(command, text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE) as process:
+        while "<filter-progress>" not in process.stdout.readline():
+            assert process.poll() is None
+        process.terminate()
+        _, error = process.communicate(timeout=60)
+    assert process.returncode == 9
+    assert error.startswith("palpate-slicer: stopped") and error.count("\n") == 1
+    assert not [name for name in os.listdir(tmp_path) if not name.startswith(".")]
+
+
 def test_parameters_go_to_json_and_back(finished, description, phantom, tmp_path):
     stored = tmp_path / "parameters.json"
     values = inputs(phantom, tmp_path, device="no such device")

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/cli/interrupt.hpp"
+#include "host/program/interrupt.hpp"
 
 #include <poll.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/cli/scratch.hpp"
+#include "host/program/scratch.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
 
@@ -39,6 +39,11 @@ std::mutex missing_mutex;
 std::vector<fs::path>& missing_folders() {
     static auto* all = new std::vector<fs::path>;  // the thread that watches outlives main
     return *all;
+}
+
+std::string& program_name() {
+    static auto* name = new std::string("palpate");
+    return *name;
 }
 
 void on_signal(int) {
@@ -96,7 +101,8 @@ void catch_one(int signal) {
 
 }  // namespace
 
-void catch_interrupts() {
+void catch_interrupts(const std::string& program) {
+    program_name() = program;
     make_scratch();
     if (pipe(wake_up) != 0) return;  // signals then end the program as the system does
     std::thread(watch).detach();
@@ -130,7 +136,7 @@ void end_from_outside(const Error& reason) {
     hold_threads_that_abort();
     remove_folders_in_progress();
     remove_empty_outputs();
-    const std::string sentence = std::string("palpate: ") + reason.what() + "\n";
+    const std::string sentence = program_name() + ": " + reason.what() + "\n";
     const ssize_t ignored = is_first ? write(STDERR_FILENO, sentence.data(), sentence.size()) : 0;
     (void)ignored;
     _exit(ending_code);

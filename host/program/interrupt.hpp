@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "solver/base/error.hpp"
 #include "solver/base/log.hpp"
@@ -14,9 +15,10 @@ namespace palpate {
 /// a second signal, is ended from outside, after its unfinished files have been removed: whatever
 /// runs, the program is gone within two seconds, with exit code 9 and nothing half-written.
 /// A signal that was ignored when the program started (nohup, &) stays ignored.
+/// `program` is the name that the last words begin with.
 /// To be called once, before any other thread starts. Temporary folders are kept in one folder from
 /// here on, which is removed at the end, and those of programs that were killed with it.
-void catch_interrupts();
+void catch_interrupts(const std::string& program);
 
 bool is_interrupted();
 

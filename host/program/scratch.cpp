@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/cli/scratch.hpp"
+#include "host/program/scratch.hpp"
 
 #include <cstdlib>
 #include <filesystem>

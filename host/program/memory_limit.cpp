@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/cli/memory_limit.hpp"
+#include "host/program/memory_limit.hpp"
 
 #include <dlfcn.h>
 #include <fcntl.h>
