@@ -64,7 +64,7 @@ void set_limit(int resource, double value) {
     if (getppid() != parent) _exit(126);
     set_limit(RLIMIT_CORE, 0);
     set_limit(RLIMIT_CPU, std::ceil(limits.seconds) + 1);
-#ifndef __SANITIZE_ADDRESS__  // its shadow memory alone is larger than any useful limit
+#ifndef PALPATE_ADDRESS_SANITIZER  // its shadow memory alone is larger than any useful limit
     set_limit(RLIMIT_AS, limits.memory_gib * 1024 * 1024 * 1024);
 #endif
     sigset_t none;

@@ -135,7 +135,7 @@ void Exchange::write(const std::filesystem::path& path) const {
         header.columns = array.columns;
         std::visit(
             [&](const auto& v) {
-                header.rows = v.size() / array.columns;
+                header.rows = v.size() / header.columns;
                 file.write(reinterpret_cast<const char*>(&header), sizeof header);
                 file.write(reinterpret_cast<const char*>(v.data()),
                            static_cast<std::streamsize>(v.size() * sizeof(v[0])));

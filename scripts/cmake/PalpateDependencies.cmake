@@ -18,6 +18,13 @@ find_package(Boost 1.74 REQUIRED)    # headers: distributions of Boost.Math
 find_package(ITK REQUIRED COMPONENTS
   ITKCommon ITKTransform ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase
   ITKIOTransformHDF5 ITKIOTransformInsightLegacy ITKPDEDeformableRegistration ITKSmoothing)
+add_library(palpate_itk INTERFACE)
+target_include_directories(palpate_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
+target_link_libraries(palpate_itk INTERFACE ${ITK_LIBRARIES})
+# One Eigen for both: ITK's own copy and ours cannot be included together.
+target_compile_definitions(palpate_itk INTERFACE ITK_USE_SYSTEM_EIGEN)
+target_compile_options(palpate_itk INTERFACE
+  "$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/itk_for_clang.hpp>")
 find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel FiltersCore IOGeometry
   IOLegacy IOPLY IOXML)
 

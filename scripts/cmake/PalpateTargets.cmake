@@ -9,6 +9,9 @@ if(PALPATE_SANITIZE)
   target_compile_options(palpate_options INTERFACE -fsanitize=${PALPATE_SANITIZE}
                                                    -fno-omit-frame-pointer)
   target_link_options(palpate_options INTERFACE -fsanitize=${PALPATE_SANITIZE})
+  if(PALPATE_SANITIZE MATCHES "address")
+    target_compile_definitions(palpate_options INTERFACE PALPATE_ADDRESS_SANITIZER)
+  endif()
 endif()
 # Eigen's dense algebra runs on BLAS everywhere: one definition of its templates in the whole program.
 target_compile_definitions(palpate_options INTERFACE EIGEN_USE_BLAS)

@@ -8,7 +8,7 @@
 /// PALPATE_FLATTEN: beside it where the loop calls small functions, which then become part of each
 /// version. PALPATE_REGISTER_BYTES: the vectors that such a loop can count on.
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 && defined(__x86_64__) && \
-    defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__)
+    defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PALPATE_MULTIVERSION \
     __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #define PALPATE_FLATTEN __attribute__((flatten))

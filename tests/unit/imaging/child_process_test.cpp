@@ -75,7 +75,7 @@ TEST(ChildProcess, EndsAnEndlessLoop) {
 }
 
 TEST(ChildProcess, LimitsMemory) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PALPATE_ADDRESS_SANITIZER
     GTEST_SKIP() << "address space is not limited under the sanitizer";
 #endif
     ReadingLimits limits;

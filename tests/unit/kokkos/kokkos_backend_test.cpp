@@ -66,7 +66,7 @@ TEST(KokkosBackend, RefusesAMatrixThatPointsOutsideItself) {
 }
 
 TEST(KokkosBackend, SaysThatMemoryRanOut) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef PALPATE_ADDRESS_SANITIZER
     GTEST_SKIP() << "The address sanitizer ends a program that asks for this much.";
 #endif
     const auto backend = make_kokkos_backend({Precision::double_, {}, ""});

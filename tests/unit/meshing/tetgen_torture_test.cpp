@@ -136,7 +136,7 @@ TEST(TetgenTorture, the_time_limit_ends_a_mesh_that_is_too_large) {
     EXPECT_LT(refusal.seconds, 5);
 }
 
-#ifndef __SANITIZE_ADDRESS__
+#ifndef PALPATE_ADDRESS_SANITIZER
 TEST(TetgenTorture, the_memory_limit_is_an_error_and_not_a_crash) {
     MesherOptions options;
     options.num_nodes = 20'000'000;
