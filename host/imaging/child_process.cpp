@@ -38,7 +38,7 @@ struct Report {
     }
 };
 
-#ifndef __SANITIZE_ADDRESS__
+#ifndef PALPATE_ADDRESS_SANITIZER
 std::size_t mapped_bytes() {
     unsigned long pages = 0;
     if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
@@ -57,7 +57,7 @@ void lower_limit(int resource, rlim_t value) {
 }
 
 void apply(const ReadingLimits& limits) {
-#ifndef __SANITIZE_ADDRESS__  // its shadow memory counts as mapped
+#ifndef PALPATE_ADDRESS_SANITIZER  // its shadow memory counts as mapped
     lower_limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
 #endif
     lower_limit(RLIMIT_CPU, static_cast<rlim_t>(limits.seconds));
@@ -125,6 +125,19 @@ int wait_for(pid_t child, int seconds, const std::function<void()>& tick) {
     }
 }
 
+/// Runs in the child. A reader that complains to stderr and goes on has made something up.
+void read_without_complaints(const std::function<void()>& read) {
+    int ends[2];  // what does not fit is lost, not waited for
+    const bool listens = pipe2(ends, O_NONBLOCK | O_CLOEXEC) == 0;
+    if (listens) dup2(ends[1], STDERR_FILENO);
+    read();
+    char said[300];
+    const ssize_t length = listens ? ::read(ends[0], said, sizeof said) : 0;
+    if (length <= 0) return;
+    throw Error(ErrorCode::input_unreadable,
+                "it is damaged: " + std::string(said, std::find(said, said + length, '\n')));
+}
+
 std::string cause_of(int status) {
     if (status < 0 || !WIFSIGNALED(status)) return "the reading process ended without a result";
     const int signal = WTERMSIG(status);
@@ -187,7 +200,7 @@ void rehearse(const std::filesystem::path& path, const std::function<void()>& re
     if (!failed)
         limits.memory_bytes += 64 * std::min<std::uintmax_t>(size, std::uintmax_t(1) << 33);
     try {
-        run_in_child(read, limits);
+        run_in_child([&] { read_without_complaints(read); }, limits);
     } catch (const Error& error) {
         const std::string what = error.what(), name = path.string();
         if (error.code() != ErrorCode::input_unreadable || what.find(name) != std::string::npos)

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/meshing/vtk_grid.hpp"
 
+#include <vtkCellArray.h>
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
 #include <vtkNew.h>
@@ -17,6 +18,7 @@
 
 #include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
+#include "host/surfaces/vtk_cells.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
@@ -49,6 +51,8 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
     if (messages.any()) unreadable(path, "it is damaged: " + messages.last());
     if (!grid || grid->GetNumberOfPoints() == 0 || !grid->GetPoints())
         unreadable(path, "it holds no points");
+    if (const auto why = why_unsafe(*grid->GetCells(), grid->GetNumberOfPoints()))
+        unreadable(path, *why);
     return grid;
 }
 

@@ -26,6 +26,7 @@
 #include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/surfaces/point_text.hpp"
+#include "host/surfaces/vtk_cells.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
@@ -77,6 +78,9 @@ PolyData run_reader(const fs::path& path) {
     if (!data || !data->GetPoints() || data->GetNumberOfPoints() == 0) {
         unreadable(path, "it holds no points");
     }
+    for (vtkCellArray* cells :
+         {data->GetVerts(), data->GetLines(), data->GetPolys(), data->GetStrips()})
+        if (const auto why = why_unsafe(*cells, data->GetNumberOfPoints())) unreadable(path, *why);
     return data;
 }
 
