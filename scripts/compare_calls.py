@@ -5,9 +5,10 @@
 
   build/venv/bin/python scripts/compare_calls.py [--rounds 7] [--build build/release]
 
-Whole processes: start, reading two label volumes, recovering, writing the result folder. The same
-phantom each time, warmed up once. Prints the median of each and the median over rounds of its ratio
-to the command line in the same round.
+Whole processes: start, reading two label volumes, recovering, writing the result folder; and of the
+Python process also the call alone, without the start of the interpreter and of NumPy. The same phantom
+each time, warmed up once. Prints the median of each and the median over rounds of its ratio to the
+command line in the same round.
 """
 import argparse
 import pathlib
@@ -17,16 +18,21 @@ import sys
 import tempfile
 import time
 
-PYTHON = ("import sys, palpate; r = palpate.recover(sys.argv[1], sys.argv[2], sys.argv[3]); "
-          "r.write(sys.argv[4])")
+PYTHON = """
+import sys, time, palpate
+begin = time.perf_counter()
+palpate.recover(*sys.argv[1:4]).write(sys.argv[4])
+print(time.perf_counter() - begin)
+"""
 
 
 def seconds_of(command):
+    """(of the whole process, what it printed)"""
     begin = time.perf_counter()
     finished = subprocess.run(list(map(str, command)), capture_output=True, text=True)
     if finished.returncode != 0:
         sys.exit(f"{command[0]}: {finished.stderr}")
-    return time.perf_counter() - begin
+    return time.perf_counter() - begin, finished.stdout
 
 
 def main():
@@ -47,10 +53,13 @@ def main():
             "C": lambda out: [programs / "recover_once", *images, settings, out],
             "Python": lambda out: [sys.executable, "-c", PYTHON, *images, settings, out],
         }
-        times = {caller: [] for caller in callers}
+        times = {caller: [] for caller in (*callers, "Python, call")}
         for k in range(arguments.rounds + 1):
             for caller, command in callers.items():
-                times[caller].append(seconds_of(command(folder / f"{caller} {k}")))
+                seconds, printed = seconds_of(command(folder / f"{caller} {k}"))
+                times[caller].append(seconds)
+                if caller == "Python":
+                    times["Python, call"].append(float(printed))
             print(f"round {k}: " + ", ".join(f"{caller} {t[-1]:.2f} s"
                                              for caller, t in times.items()), flush=True)
         for caller, measured in times.items():

@@ -43,8 +43,17 @@ PointMap map_of(const WarpArguments& arguments, bool fetches) {
                           forward ? Sense::reference_to_target : Sense::target_to_reference);
 }
 
+/// What is odd about a file but was accepted.
+void say(const std::string& file, const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings) fmt::print("{}: {}\n", file, warning);
+}
+
 ImageGrid grid_of(const WarpArguments& arguments, const PointMap& map) {
-    return arguments.like.empty() ? map.field.grid : read_scalar_image(arguments.like).grid;
+    if (arguments.like.empty()) return map.field.grid;
+    std::vector<std::string> warnings;
+    const ImageGrid grid = read_image_grid(arguments.like, &warnings);
+    say(arguments.like, warnings);
+    return grid;
 }
 
 void say(const OutsideCounts& outside, std::size_t num_voxels, const std::string& fill) {
@@ -61,7 +70,9 @@ void say(const OutsideCounts& outside, std::size_t num_voxels, const std::string
 }
 
 int warp_one_image(const WarpArguments& arguments) {
-    const Image<float> image = read_scalar_image(arguments.input);
+    std::vector<std::string> warnings;
+    const Image<float> image = read_scalar_image(arguments.input, &warnings);
+    say(arguments.input, warnings);
     const PointMap back = map_of(arguments, true);
     const auto warped =
         warp_image(image, back, grid_of(arguments, back), arguments.interpolation, arguments.fill);
@@ -71,7 +82,9 @@ int warp_one_image(const WarpArguments& arguments) {
 }
 
 int warp_one_label_image(const WarpArguments& arguments) {
-    const LabelImage labels = read_label_image(arguments.input);
+    std::vector<std::string> warnings;
+    const LabelImage labels = read_label_image(arguments.input, {}, &warnings);
+    say(arguments.input, warnings);
     const PointMap back = map_of(arguments, true);
     const auto warped =
         warp_labels(labels, back, grid_of(arguments, back), arguments.interpolation);

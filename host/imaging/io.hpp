@@ -23,7 +23,12 @@ LabelImage read_label_image(const std::filesystem::path& path, const ProgressSin
                             std::vector<std::string>* warnings = nullptr);
 
 /// Reads any 3D volume of one number per voxel in the same way, as single precision.
-Image<float> read_scalar_image(const std::filesystem::path& path);
+Image<float> read_scalar_image(const std::filesystem::path& path,
+                               std::vector<std::string>* warnings = nullptr);
+
+/// The grid of such a volume, whatever its numbers are.
+ImageGrid read_image_grid(const std::filesystem::path& path,
+                          std::vector<std::string>* warnings = nullptr);
 
 /// Writes .nii, .nii.gz, .nrrd or .mha (single precision, compressed), all or nothing. Throws as
 /// `write_label_image`.

@@ -23,7 +23,7 @@ bool ends_with(const std::filesystem::path& path, const std::string& ending) {
     return name.size() > ending.size() && name.ends_with(ending);
 }
 
-CheckedVolume checked(const std::filesystem::path& path) {
+CheckedVolume checked(const std::filesystem::path& path, Voxels voxels) {
     const auto format = format_of(path);
     if (!format) {
         detail::unreadable("its format is unknown; use .nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd");
@@ -31,7 +31,7 @@ CheckedVolume checked(const std::filesystem::path& path) {
     std::vector<std::uint8_t> bytes = detail::load(path);
     switch (*format) {
         case VolumeFormat::nifti:
-            return detail::preflight_nifti(std::move(bytes));
+            return detail::preflight_nifti(std::move(bytes), voxels);
         case VolumeFormat::nrrd:
             return detail::preflight_nrrd(std::move(bytes), path.parent_path(),
                                           ends_with(path, ".nhdr"));
@@ -51,9 +51,9 @@ std::optional<VolumeFormat> format_of(const std::filesystem::path& path) {
     return std::nullopt;
 }
 
-CheckedVolume preflight(const std::filesystem::path& path) {
+CheckedVolume preflight(const std::filesystem::path& path, Voxels voxels) {
     try {
-        return checked(path);
+        return checked(path, voxels);
     } catch (const Error& error) {
         throw Error(error.code(), "cannot use '" + path.string() + "': " + error.what());
     }

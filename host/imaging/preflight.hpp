@@ -35,10 +35,14 @@ struct CheckedVolume {
 /// Format by the ending of the name (.nii .nii.gz .nrrd .nhdr .mha .mhd, any case), if known.
 std::optional<VolumeFormat> format_of(const std::filesystem::path& path);
 
+/// What the numbers of a volume are for. Those that are used must be finite; the NIfTI decoder
+/// would silently take 0 for others, so that is told here.
+enum class Voxels { used, unused };
+
 /// Loads and checks a 3D scalar volume.
 /// Throws Error(input_unreadable) for a damaged file, Error(input_unusable) for a sound one that is
 /// not a 3D scalar volume in mm; messages start with the file.
-CheckedVolume preflight(const std::filesystem::path& path);
+CheckedVolume preflight(const std::filesystem::path& path, Voxels voxels = Voxels::used);
 
 /// The same for a displacement field: NIfTI of five dimensions (x, y, z, 1, 3) with intent 1007,
 /// LPS mm. Other intents and shapes are refused: who wrote them decides what their axes mean.
@@ -51,7 +55,7 @@ constexpr std::size_t max_trailing_bytes = std::size_t(1) << 20;
 
 namespace detail {
 /// The parts of `preflight`, in their own files; messages without the file's name.
-CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes);
+CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes, Voxels voxels);
 CheckedVolume preflight_nifti_vectors(std::vector<std::uint8_t> bytes);
 CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
                              bool detached);

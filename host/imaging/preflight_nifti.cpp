@@ -245,7 +245,7 @@ std::vector<std::uint8_t> clean_header(const Header& original, const std::array<
     return bytes;
 }
 
-CheckedVolume checked_volume(std::vector<std::uint8_t> bytes, unsigned components) {
+CheckedVolume checked_volume(std::vector<std::uint8_t> bytes, unsigned components, Voxels voxels) {
     const bool compressed = is_gzip(bytes);
     const Header header = header_of(compressed ? inflated_start(bytes, header_bytes) : bytes);
     CheckedVolume volume;
@@ -266,8 +266,9 @@ CheckedVolume checked_volume(std::vector<std::uint8_t> bytes, unsigned component
     if (compressed) bytes = inflated(bytes, start + data_bytes + max_trailing_bytes);
     if (bytes.size() < start) unreadable("it ends before its voxels begin; it was cut off");
     const auto data = checked_data(std::span(bytes).subspan(start), false, data_bytes);
-    if (header.datatype() == 16) check_finite<float>(data, header.swapped());
-    if (header.datatype() == 64) check_finite<double>(data, header.swapped());
+    const bool is_used = voxels == Voxels::used;
+    if (is_used && header.datatype() == 16) check_finite<float>(data, header.swapped());
+    if (is_used && header.datatype() == 64) check_finite<double>(data, header.swapped());
     const std::vector<std::uint8_t> clean = clean_header(header, volume.size, components);
     volume.file = joined("volume.nii", std::string(clean.begin(), clean.end()), data);
     return volume;
@@ -275,12 +276,12 @@ CheckedVolume checked_volume(std::vector<std::uint8_t> bytes, unsigned component
 
 }  // namespace
 
-CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes) {
-    return checked_volume(std::move(bytes), 1);
+CheckedVolume preflight_nifti(std::vector<std::uint8_t> bytes, Voxels voxels) {
+    return checked_volume(std::move(bytes), 1, voxels);
 }
 
 CheckedVolume preflight_nifti_vectors(std::vector<std::uint8_t> bytes) {
-    return checked_volume(std::move(bytes), 3);
+    return checked_volume(std::move(bytes), 3, Voxels::used);
 }
 
 }  // namespace palpate::detail

@@ -20,11 +20,26 @@ float finite_from(double number, std::size_t position) {
     return static_cast<float>(number);
 }
 
+CheckedVolume checked_volume(const std::filesystem::path& path, Voxels voxels,
+                             std::vector<std::string>* warnings) {
+    CheckedVolume checked = preflight(path, voxels);
+    if (warnings) *warnings = checked.warnings;
+    return checked;
+}
+
 }  // namespace
 
-Image<float> read_scalar_image(const std::filesystem::path& path) {
-    auto volume = decode_volume<float>(path, preflight(path), finite_from);
+Image<float> read_scalar_image(const std::filesystem::path& path,
+                               std::vector<std::string>* warnings) {
+    auto volume =
+        decode_volume<float>(path, checked_volume(path, Voxels::used, warnings), finite_from);
     return {volume.grid, std::move(volume.values)};
+}
+
+ImageGrid read_image_grid(const std::filesystem::path& path, std::vector<std::string>* warnings) {
+    const auto any_number = [](double, std::size_t) { return 0.0f; };
+    return decode_volume<float>(path, checked_volume(path, Voxels::unused, warnings), any_number)
+        .grid;
 }
 
 Image<Vec3> read_vector_image(const std::filesystem::path& path) {

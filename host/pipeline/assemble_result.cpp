@@ -284,8 +284,13 @@ void add_volumes(const Recovered& found, const LabelledState& reference, const T
     const ImageGrid grid = target_grid(reference, target);
     const Mesh& mesh = found.mesh.mesh;
     const auto field = displacement_on_grid(mesh, result.displacement, reference.regions.grid);
-    result.inverse_displacement_field =
-        inverse_field(mesh, result.displacement, field, transform, grid);
+    InverseField inverse = inverse_field(mesh, result.displacement, field, transform, grid);
+    result.inverse_displacement_field = std::move(inverse.field);
+    if (inverse.num_unsure > 0)
+        result.warnings.push_back(
+            fmt::format("The inverse displacement field is off by more than 0.01 mm in {} of {} "
+                        "voxels, all outside the mesh, where the field folds.",
+                        inverse.num_unsure, grid.num_voxels()));
     const auto before = carry_regions(reference.field, transform, grid);
     const auto after = carry_regions(reference.field, result.inverse_displacement_field);
     const RegionImage* seen = target.labels ? &target.labels->regions : nullptr;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/warping/inverse_field.hpp"
 
+#include <atomic>
+
 #include "host/imaging/parallel.hpp"
 #include "host/meshing/rasterise.hpp"
 #include "host/warping/displacement_field.hpp"
@@ -9,13 +11,15 @@
 namespace palpate {
 namespace {
 
-constexpr double tolerance_mm = 1e-3;
+constexpr double tolerance_mm = 1e-3, unsure_mm = 1e-2;
 
-/// Inverts x -> transform(x + u(x)) at the voxels of `inverse` that are `unknown`.
-void invert_by_iteration(const Image<Vec3>& field, const RigidTransform& transform,
-                         const std::vector<std::uint8_t>& unknown, Image<Vec3>& inverse) {
+/// Inverts x -> transform(x + u(x)) at the voxels of `inverse` that are `unknown`. Returns in how
+/// many that failed.
+std::size_t invert_by_iteration(const Image<Vec3>& field, const RigidTransform& transform,
+                                const std::vector<std::uint8_t>& unknown, Image<Vec3>& inverse) {
     const RigidTransform back = transform.inverse();
     const ImageGrid& grid = inverse.grid;
+    std::atomic<std::size_t> num_unsure{0};
     parallel_for(grid.size[1] * grid.size[2], [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const Index j = static_cast<Index>(row) % grid.size[1];
@@ -25,32 +29,36 @@ void invert_by_iteration(const Image<Vec3>& field, const RigidTransform& transfo
                 if (!unknown[grid.offset(i, j, k)]) continue;
                 const Vec3 y = grid.to_point(Vec3(i, j, k)), aligned = back.apply(y);
                 const Origin found = origin_of(field, aligned, aligned - shift, tolerance_mm);
-                const bool is_good = found.defect_mm <= 10 * tolerance_mm;
+                const bool is_good = found.defect_mm <= unsure_mm;
+                num_unsure += !is_good;
                 shift = is_good ? Vec3(aligned - found.point) : Vec3::Zero();
                 inverse.at(i, j, k) = found.point - y;
             }
         }
     });
+    return num_unsure;
 }
 
 }  // namespace
 
-Image<Vec3> inverse_field(const Mesh& mesh, const std::vector<Vec3>& displacement,
-                          const Image<Vec3>& field, const RigidTransform& transform,
-                          const ImageGrid& grid) {
+InverseField inverse_field(const Mesh& mesh, const std::vector<Vec3>& displacement,
+                           const Image<Vec3>& field, const RigidTransform& transform,
+                           const ImageGrid& grid) {
     std::vector<Vec3> moved(mesh.nodes.size()), way_back(mesh.nodes.size());
     for (std::size_t n = 0; n < moved.size(); ++n) {
         moved[n] = transform.apply(mesh.nodes[n] + displacement[n]);
         way_back[n] = mesh.nodes[n] - moved[n];
     }
     FieldInMesh inside = interpolate_in_mesh(mesh, moved, way_back, grid);
-    invert_by_iteration(field, transform, inside.is_outside, inside.field);
-    return std::move(inside.field);
+    InverseField inverse{std::move(inside.field)};
+    inverse.num_unsure = invert_by_iteration(field, transform, inside.is_outside, inverse.field);
+    return inverse;
 }
 
-Image<Vec3> inverse_field(const Image<Vec3>& field, const ImageGrid& grid) {
-    Image<Vec3> inverse{grid, std::vector<Vec3>(grid.num_voxels())};
-    invert_by_iteration(field, {}, std::vector<std::uint8_t>(grid.num_voxels(), 1), inverse);
+InverseField inverse_field(const Image<Vec3>& field, const ImageGrid& grid) {
+    InverseField inverse{{grid, std::vector<Vec3>(grid.num_voxels())}};
+    inverse.num_unsure = invert_by_iteration(
+        field, {}, std::vector<std::uint8_t>(grid.num_voxels(), 1), inverse.field);
     return inverse;
 }
 

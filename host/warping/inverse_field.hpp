@@ -9,6 +9,13 @@
 
 namespace palpate {
 
+struct InverseField {
+    Image<Vec3> field;
+    /// Voxels, all outside the mesh, where no place was found that comes within 0.01 mm: the
+    /// nearest one that was found stands there.
+    std::size_t num_unsure = 0;
+};
+
 /// The inverse of a deformation of a meshed body, on `grid` of the target: v with
 /// y + v(y) = x and transform(x + u(x)) = y (mm, LPS).
 ///   mesh, displacement  u at the nodes: linear in each tet, so that inside the moved mesh the
@@ -18,11 +25,11 @@ namespace palpate {
 /// Between voxel centres v is to be interpolated linearly: what is lost there is second order in
 /// the spacing, and first order where u has a kink (between tissues). Cost: about a second for
 /// 200^3 voxels on two cores.
-Image<Vec3> inverse_field(const Mesh& mesh, const std::vector<Vec3>& displacement,
-                          const Image<Vec3>& field, const RigidTransform& transform,
-                          const ImageGrid& grid);
+InverseField inverse_field(const Mesh& mesh, const std::vector<Vec3>& displacement,
+                           const Image<Vec3>& field, const RigidTransform& transform,
+                           const ImageGrid& grid);
 
 /// The inverse of a field by itself: v with y + v(y) = x and x + u(x) = y, to 1e-3 mm.
-Image<Vec3> inverse_field(const Image<Vec3>& field, const ImageGrid& grid);
+InverseField inverse_field(const Image<Vec3>& field, const ImageGrid& grid);
 
 }  // namespace palpate

@@ -173,6 +173,19 @@ def smooth_image(like, out, kind=numpy.int16):
     return out
 
 
+def test_only_the_grid_of_a_volume_to_be_like_counts(scene, tmp_path):
+    image = smooth_image(scene / "reference.nii.gz", tmp_path / "image.nii.gz")
+    like = nibabel.load(scene / "target.nii.gz")
+    nothing = numpy.full(like.shape, numpy.nan, numpy.float32)
+    odd = nibabel.Nifti1Image(nothing, like.affine)
+    odd.set_qform(numpy.diag([1, 1, 1.1, 1]) @ like.affine, code=1)  # not its sform
+    nibabel.save(odd, tmp_path / "like.nii.gz")
+    finished = warp("image", scene / "out", image, "--like", tmp_path / "like.nii.gz", "--out",
+                    tmp_path / "warped.nii.gz")
+    assert nibabel.load(tmp_path / "warped.nii.gz").shape == like.shape
+    assert "like.nii.gz: " in finished.stdout and "sform" in finished.stdout
+
+
 def test_an_image_on_a_given_grid_is_sampled_where_its_points_come_from(scene, tmp_path):
     image = smooth_image(scene / "reference.nii.gz", tmp_path / "image.nii.gz")
     finished = warp("image", scene / "out", image, "--like", scene / "target_full.nii.gz", "--fill", -5,

@@ -5,5 +5,5 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace palpate;
-    return fuzz_one([&] { detail::preflight_nifti(bytes_of(data, size)); });
+    return fuzz_one([&] { detail::preflight_nifti(bytes_of(data, size), Voxels::used); });
 }

@@ -63,7 +63,7 @@ TEST(InverseField, IsExactAtVoxelCentresInsideTheMovedMesh) {
     target.origin = motion.apply(grid.origin);
     const Image<Vec3> field = displacement_on_grid(mesh, u, grid);
 
-    const Image<Vec3> inverse = inverse_field(mesh, u, field, motion, target);
+    const Image<Vec3> inverse = inverse_field(mesh, u, field, motion, target).field;
 
     // Back through the same tetrahedron, by its corners.
     const auto tet_of = tet_of_voxels(mesh, moved, target);
@@ -107,7 +107,7 @@ TEST(InverseField, UndoesTheForwardFieldWithinASmallPartOfAVoxel) {
     target.origin = motion.apply(grid.origin);
     target.direction = motion.rotation * grid.direction;
 
-    const PointMap there{total}, back{inverse_field(mesh, u, field, motion, target)};
+    const PointMap there{total}, back{inverse_field(mesh, u, field, motion, target).field};
     const Errors forth = consistency(there, back, points_in(grid, 4000, 0.0));
     const Errors home = consistency(back, there, points_in(target, 4000, 0.0));
 
@@ -125,7 +125,7 @@ TEST(InverseField, OfAFieldAloneUndoesItAtTheVoxelCentres) {
     constexpr double tolerance_mm = 2e-3;
     const Image<Vec3> field = sampled(oblique_grid(), smooth_displacement);
 
-    const Image<Vec3> inverse = inverse_field(field, field.grid);
+    const Image<Vec3> inverse = inverse_field(field, field.grid).field;
 
     for (Index k = 3; k < 14; ++k)
         for (Index j = 5; j < 24; ++j)
@@ -133,6 +133,16 @@ TEST(InverseField, OfAFieldAloneUndoesItAtTheVoxelCentres) {
                 const Vec3 y = field.grid.to_point(Vec3(i, j, k)), x = y + inverse.at(i, j, k);
                 ASSERT_LT((x + displacement_at(field, x) - y).norm(), tolerance_mm);
             }
+}
+
+TEST(InverseField, CountsTheVoxelsThatNothingIsMovedTo) {
+    Image<Vec3> field = sampled(oblique_grid(), [](const Vec3&) { return Vec3(0, 0, 0); });
+    EXPECT_EQ(inverse_field(field, field.grid).num_unsure, 0u);
+
+    // All points of a row come from one: none of the others' places is reached.
+    for (Index i = 0; i < field.grid.size[0]; ++i)
+        field.at(i, 8, 8) = field.grid.to_point(Vec3(0, 8, 8)) - field.grid.to_point(Vec3(i, 8, 8));
+    EXPECT_GT(inverse_field(field, field.grid).num_unsure, 0u);
 }
 
 }  // namespace
