@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
 """R12: every parser of palpate under libFuzzer with the address and undefined-behaviour sanitizers,
-ten minutes each (PALPATE_FUZZ_SECONDS), from seeds that are made here; all, or those of
+ten million runs or ten minutes each (PALPATE_FUZZ_SECONDS), from seeds that are made here; all, or those of
 PALPATE_FUZZ_PARSERS. Builds them first."""
 import os
 import pathlib
@@ -63,7 +63,7 @@ def fuzz(parser, folder):
     dictionary = folder / f"{parser}.words"
     dictionary.write_bytes(b"".join(b'"%s"\n' % word for word in words(parser)) or b"# none\n")
     finished = subprocess.run(
-        [ROOT / "build/fuzz/bin" / f"fuzz_{parser}", f"-max_total_time={SECONDS}", "-max_len=16384",
+        [ROOT / "build/fuzz/bin" / f"fuzz_{parser}", f"-max_total_time={SECONDS}", "-runs=10000000", "-max_len=16384",
          "-timeout=10", "-rss_limit_mb=2048", "-print_final_stats=1", f"-dict={dictionary}",
          f"-artifact_prefix={folder}/{parser}-", corpus],
         capture_output=True, text=True, errors="replace", check=False)
