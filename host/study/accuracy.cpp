@@ -59,7 +59,7 @@ std::vector<Accuracy> accuracy_by_group(const std::vector<Estimate>& estimates) 
     for (const auto& [name, belongs] : groups) {
         std::vector<Estimate> some;
         std::copy_if(estimates.begin(), estimates.end(), std::back_inserter(some),
-                     [&](const Estimate& e) { return belongs(e.expected_kpa); });
+                     [&fits = belongs](const Estimate& e) { return fits(e.expected_kpa); });
         if (!some.empty()) result.push_back(accuracy_of(name, some));
     }
     return result;
