@@ -25,6 +25,23 @@ bool make_durable(const std::filesystem::path& path) {
     return done;
 }
 
+/// What `work` throws, as Error(output_failed) with the name of the file; errors of the caller
+/// stay.
+void told_with_name(const std::filesystem::path& path, const std::function<void()>& work) {
+    try {
+        work();
+    } catch (const std::exception& failure) {
+        if (const auto* ours = dynamic_cast<const Error*>(&failure);
+            ours &&
+            (ours->code() == ErrorCode::unsupported || ours->code() == ErrorCode::cancelled)) {
+            throw;
+        }
+        throw Error(ErrorCode::output_failed, "cannot write '" + path.string() +
+                                                  "': " + failure.what() +
+                                                  "; check that the folder exists and has space");
+    }
+}
+
 std::filesystem::path temporary_place() {
     std::error_code error;
     const std::filesystem::path place = std::filesystem::temp_directory_path(error);
@@ -48,28 +65,36 @@ std::optional<std::string> why_unreadable(const std::filesystem::path& path) {
     return std::nullopt;
 }
 
-void write_atomically(const std::filesystem::path& path,
-                      const std::function<void(const std::filesystem::path& temporary)>& write) {
-    const std::filesystem::path parent = path.has_parent_path() ? path.parent_path() : ".";
-    const std::string name = path.filename().string();
-    try {
-        const LockedFolder folder(parent, "." + name + ".unfinished-",
-                                  LockedFolder::Readers::everybody);
-        const std::filesystem::path temporary = folder.path() / name;
+UnfinishedFile::UnfinishedFile(std::filesystem::path path)
+    : path_(std::move(path)), parent_(path_.has_parent_path() ? path_.parent_path() : ".") {
+    told_with_name(path_, [&] {
+        std::string prefix = path_.filename().string();
+        prefix.insert(0, 1, '.');
+        folder_.emplace(parent_, prefix.append(".unfinished-"), LockedFolder::Readers::everybody);
+    });
+}
+
+void UnfinishedFile::write(
+    const std::function<void(const std::filesystem::path& temporary)>& write) {
+    told_with_name(path_, [&] {
+        const std::filesystem::path temporary = folder_->path() / path_.filename();
         write(temporary);
         if (!make_durable(temporary)) throw Error(ErrorCode::output_failed, "the disk refused it");
-        std::filesystem::rename(temporary, path);
-        if (!make_durable(parent)) throw Error(ErrorCode::output_failed, "the disk refused it");
-    } catch (const std::exception& failure) {
-        if (const auto* ours = dynamic_cast<const Error*>(&failure);
-            ours &&
-            (ours->code() == ErrorCode::unsupported || ours->code() == ErrorCode::cancelled)) {
-            throw;
-        }
-        throw Error(ErrorCode::output_failed, "cannot write '" + path.string() +
-                                                  "': " + failure.what() +
-                                                  "; check that the folder exists and has space");
-    }
+    });
+}
+
+void UnfinishedFile::finish() {
+    told_with_name(path_, [&] {
+        std::filesystem::rename(folder_->path() / path_.filename(), path_);
+        if (!make_durable(parent_)) throw Error(ErrorCode::output_failed, "the disk refused it");
+    });
+}
+
+void write_atomically(const std::filesystem::path& path,
+                      const std::function<void(const std::filesystem::path& temporary)>& write) {
+    UnfinishedFile file(path);
+    file.write(write);
+    file.finish();
 }
 
 }  // namespace palpate

@@ -27,11 +27,24 @@ private:
 /// permission.
 std::optional<std::string> why_unreadable(const std::filesystem::path& path);
 
-/// Lets `write` write a file of the same name in a hidden, locked folder beside `path`, makes it
-/// durable and moves it to its final place: a reader never sees half a file. Removes what processes
-/// that were killed while they wrote this file left behind.
-/// Throws Error(output_failed) naming the file; `write` may throw anything derived from
-/// std::exception.
+/// A file that is made beside its place and put there at the end: a reader never sees half of it.
+/// What processes that were killed while they made this file left behind is removed first. All
+/// throw Error(output_failed) naming the file.
+class UnfinishedFile {
+public:
+    explicit UnfinishedFile(std::filesystem::path path);
+    /// Lets `write` write a file of the same name in a hidden, locked folder beside it, and makes
+    /// that durable. `write` may throw anything derived from std::exception.
+    void write(const std::function<void(const std::filesystem::path& temporary)>& write);
+    /// Moves it to its place. Without that nothing remains of it.
+    void finish();
+
+private:
+    std::filesystem::path path_, parent_;
+    std::optional<LockedFolder> folder_;
+};
+
+/// Writes and finishes one UnfinishedFile.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path& temporary)>& write);
 

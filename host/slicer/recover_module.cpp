@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "host/imaging/files.hpp"
@@ -41,29 +42,25 @@ void check_may_write(const std::filesystem::path& file) {
                                 file.string()));
 }
 
-/// The files that were asked for, each written all or nothing; removed again unless all are kept.
+/// The files that were asked for: all are made before the first takes its place, so that a failure
+/// leaves those of an earlier run as they were.
 class Outputs {
 public:
     explicit Outputs(const ModuleArguments& arguments) : arguments_(arguments) {}
-    ~Outputs() {
-        std::error_code ignored;
-        for (const std::string& file : written_) std::filesystem::remove(file, ignored);
-    }
-    Outputs(const Outputs&) = delete;
-    Outputs& operator=(const Outputs&) = delete;
 
     template <class Write>
     void write(const char* name, const Write& write) {
         const std::string& file = arguments_.text(name);
         if (file.empty()) return;
-        write_atomically(file, write);
-        written_.push_back(file);
+        unfinished_.emplace_back(std::make_unique<UnfinishedFile>(file))->write(write);
     }
-    void keep() { written_.clear(); }
+    void finish() {
+        for (const auto& file : unfinished_) file->finish();
+    }
 
 private:
     const ModuleArguments& arguments_;
-    std::vector<std::string> written_;
+    std::vector<std::unique_ptr<UnfinishedFile>> unfinished_;
 };
 
 std::string sentence_about(const RegionResult& region) {
@@ -123,7 +120,7 @@ void write_module_outputs(const ModuleArguments& arguments, const RecoveryResult
                   [&](const path& file) { write_text_file(file, html_report(result, false)); });
     if (const std::string& folder = arguments.text("resultFolder"); !folder.empty())
         write_result(result, folder, {.overwrite = true});
-    outputs.keep();
+    outputs.finish();
 }
 
 std::string return_parameters(const RecoveryResult& result) {

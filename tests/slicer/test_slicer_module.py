@@ -154,6 +154,7 @@ def test_lists_of_labels_do_what_a_settings_file_does(finished, description, pha
     ({"nodes": 3}, 2, "--nodes"),
     ({"material": "jelly"}, 2, "jelly"),
     ({"deformation": "deformation.png"}, 2, ".h5"),
+    ({"warpedLabels": "warped.png"}, 2, ".nrrd"),
     ({"device": "no such device"}, 8, "no such device"),
     ({"report": "/nowhere/report.html"}, 10, "/nowhere"),
 ])
@@ -168,6 +169,22 @@ def test_failures_are_told_on_standard_error_and_leave_no_output(description, ph
     assert words in run.error and run.error.count("\n") == 1
     assert "filter-end" not in run.tags
     assert not (tmp_path / "return.txt").exists() and not (tmp_path / "mesh.vtu").exists()
+
+
+def test_an_output_that_fails_leaves_older_ones_as_they_were(description, phantom, tmp_path):
+    (tmp_path / "full").mkdir()
+    older = tmp_path / OUTPUTS["deformation"]
+    older.write_text("of an earlier run")
+    faults = {"LD_PRELOAD": str(PROGRAM.parent / "libpalpate_file_faults.so"),
+              "PALPATE_FAULT_FOLDER": str(tmp_path / "full"), "PALPATE_FAULT_ACTION": "ENOSPC",
+              "PALPATE_FAULT_AT": "2"}
+    values = inputs(phantom, tmp_path, report=tmp_path / "full/report.html")
+    run = stub_host.run(MODULE, description, values, tmp_path, env={**os.environ, **faults})
+    assert run.exit_code == 10 and "report.html" in run.error
+    assert older.read_text() == "of an earlier run"
+    left = {name for name in os.listdir(tmp_path) if not name.startswith(".")}
+    assert left == {"full", older.name}
+    assert not os.listdir(tmp_path / "full")
 
 
 def test_a_killed_module_leaves_no_output_behind(description, phantom, tmp_path):
