@@ -95,7 +95,9 @@ PALPATE_API void palpate_solver_options_init(palpate_solver_options* options);
 
 typedef struct palpate_solver palpate_solver;
 
-/* options: null for the defaults. *solver receives a handle for palpate_solver_free. */
+/* options: null for the defaults. *solver receives a handle for palpate_solver_free. A
+ * factorisation (method "direct") is not interrupted: here and in set_stiffness cancelling takes
+ * effect after it. */
 PALPATE_API palpate_status palpate_solver_create(const palpate_model* model,
                                                  const palpate_solver_options* options,
                                                  palpate_solver** solver);
@@ -138,7 +140,7 @@ typedef struct palpate_labels {
     double spacing[3];
     double direction[9];    /* row by row; its columns are the axes */
     const uint16_t* voxels; /* [size[2], size[1], size[0]], i fastest */
-    const char* name;       /* for messages and reports; null: none */
+    const char* name;       /* for messages and reports; null: "reference", "target" */
 } palpate_labels;
 PALPATE_API void palpate_labels_init(palpate_labels* labels);
 

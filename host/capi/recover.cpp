@@ -32,10 +32,10 @@ namespace {
 // Results are given out as plain arrays.
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Tet) == 4 * sizeof(std::int32_t));
 
-Segmentation segmentation_of(const palpate_labels& given) {
+Segmentation segmentation_of(const palpate_labels& given, const char* usual_name) {
     require(given.voxels, "the array of voxels");
     Segmentation segmentation;
-    segmentation.name = given.name ? given.name : "";
+    segmentation.name = given.name && *given.name ? given.name : usual_name;
     ImageGrid& grid = segmentation.labels.grid;
     for (int i = 0; i < 3; ++i) {
         grid.size[i] = given.size[i];
@@ -106,8 +106,9 @@ palpate_status palpate_recover(const palpate_labels* reference, const palpate_la
                                const palpate_recover_options* options, palpate_result** result) {
     return recovered(options, result, [&](const ProgressSink&) {
         return std::pair(
-            segmentation_of(completed(reference, palpate_labels_init, "the reference")),
-            segmentation_of(completed(target, palpate_labels_init, "the target")));
+            segmentation_of(completed(reference, palpate_labels_init, "the reference"),
+                            "reference"),
+            segmentation_of(completed(target, palpate_labels_init, "the target"), "target"));
     });
 }
 

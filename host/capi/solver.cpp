@@ -2,7 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
 #include <span>
+#include <thread>
 #include <vector>
 
 #include "host/capi/guard.hpp"
@@ -82,6 +87,29 @@ ProgressSink told_in_this_call(const palpate_solver& solver) {
     return capi::progress_sink(solver.progress, solver.progress_user);
 }
 
+/// Runs `work`, which cannot be interrupted, and asks every half second whether to cancel. If so,
+/// throws when `work` is done.
+void run_uninterrupted(const ProgressSink& progress, const std::function<void()>& work) {
+    constexpr std::chrono::milliseconds pause(500);
+    if (!progress) return work();
+    std::exception_ptr cancelled;
+    {
+        const std::jthread teller([&](const std::stop_token& end) {
+            std::mutex mutex;
+            std::condition_variable_any wake;
+            std::unique_lock lock(mutex);
+            try {
+                while (wake.wait_for(lock, end, pause, [] { return false; }), !end.stop_requested())
+                    report_progress(progress, "preparing", -1);
+            } catch (...) {
+                cancelled = std::current_exception();
+            }
+        });
+        work();
+    }
+    if (cancelled) std::rethrow_exception(cancelled);
+}
+
 void multiply(const palpate_solver& solver, const double* x, std::int32_t columns, double* y) {
     multiply_rows(solver.stiffness, 0, solver.stiffness.num_nodes(), x, columns, {}, y);
 }
@@ -153,8 +181,11 @@ palpate_status palpate_solver_create(const palpate_model* model,
         check_model(made->model);
         made->progress = chosen.progress;
         made->progress_user = chosen.progress_user;
-        made->solver = make_linear_solver(made->model, capi::linear_solver_options(&chosen));
-        made->stiffness = assemble_stiffness(made->model);
+        const LinearSolverOptions how = capi::linear_solver_options(&chosen);
+        run_uninterrupted(told_in_this_call(*made), [&] {
+            made->solver = make_linear_solver(made->model, how);
+            made->stiffness = assemble_stiffness(made->model);
+        });
         made->description = describe(made->solver->describe());
         *solver = capi::Handles<palpate_solver>::all().keep(std::move(made));
         return PALPATE_OK;
@@ -176,9 +207,11 @@ palpate_status palpate_solver_set_stiffness(palpate_solver* solver, const double
         for (std::size_t r = 0; r < model.materials.size(); ++r)
             model.materials[r].stiffness_kpa = stiffness_kpa[r];
         check_model(model);
-        solver->solver->set_stiffness({stiffness_kpa, model.materials.size()});
-        solver->model = std::move(model);
-        solver->stiffness = assemble_stiffness(solver->model);
+        run_uninterrupted(told_in_this_call(*solver), [&] {
+            solver->solver->set_stiffness({stiffness_kpa, model.materials.size()});
+            solver->model = std::move(model);
+            solver->stiffness = assemble_stiffness(solver->model);
+        });
         return PALPATE_OK;
     });
 }
@@ -215,10 +248,13 @@ palpate_status palpate_solver_gradient(palpate_solver* solver, const double* dis
         const auto held = hold(solver, "the solver");
         check_count(columns, "columns");
         require(by_load, "the place for the gradient");
-        const LoadGradient gradient = load_gradient(
-            solver->model, *solver->solver,
-            columns_at(*solver, displacement, columns, "the displacement"),
-            columns_at(*solver, slope, columns, "the slope"), told_in_this_call(*solver));
+        const ConstColumns u = columns_at(*solver, displacement, columns, "the displacement");
+        const ConstColumns by_u = columns_at(*solver, slope, columns, "the slope");
+        if (!u.allFinite() || !by_u.allFinite())
+            throw Error(ErrorCode::invalid_argument,
+                        "a displacement or a slope is not a finite number");
+        const LoadGradient gradient =
+            load_gradient(solver->model, *solver->solver, u, by_u, told_in_this_call(*solver));
         std::copy_n(gradient.load.data(), gradient.load.size(), by_load);
         if (by_stiffness)
             std::copy_n(gradient.stiffness_kpa.data(), gradient.stiffness_kpa.size(), by_stiffness);

@@ -33,6 +33,8 @@ void require_shape(bool is_right, const char* what);
 class Progress {
 public:
     explicit Progress(nb::object function);
+    /// For Python's collector of cycles: the function may hold who holds this.
+    nb::object& function() { return function_; }
     /// A palpate_progress; `self` is a Progress.
     static int call(void* self, const char* stage, double fraction, const char* message);
     /// Runs `work`, which returns a status, without the interpreter's lock.

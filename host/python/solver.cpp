@@ -101,6 +101,7 @@ public:
     std::string description() const { return palpate_solver_description(handle_.get()); }
     std::size_t num_nodes() const { return num_nodes_; }
     std::size_t num_regions() const { return num_regions_; }
+    nb::object& function() { return progress_->function(); }
 
 private:
     /// A solver serves one call at a time; Python's other threads go on meanwhile.
@@ -131,6 +132,22 @@ private:
     std::size_t num_nodes_ = 0, num_regions_ = 0;
 };
 
+// A progress function often belongs to an object that has the solver: a cycle that Python must see.
+int visit_function(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<Solver>(self)->function().ptr());
+    return 0;
+}
+
+int clear_function(PyObject* self) {
+    if (nb::inst_ready(self)) nb::inst_ptr<Solver>(self)->function() = nb::none();
+    return 0;
+}
+
+PyType_Slot solver_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_function)},
+                              {Py_tp_clear, reinterpret_cast<void*>(clear_function)},
+                              {0, nullptr}};
+
 }  // namespace
 
 void add_solver(nb::module_& m) {
@@ -143,7 +160,7 @@ void add_solver(nb::module_& m) {
         .def_rw("relative_tolerance", &SolverChoice::relative_tolerance)
         .def_rw("expected_columns", &SolverChoice::expected_columns);
 
-    nb::class_<Solver>(m, "Solver")
+    nb::class_<Solver>(m, "Solver", nb::type_slots(solver_slots))
         .def(nb::init<const Doubles&, const Numbers&, const std::optional<Numbers>&, const Doubles&,
                       const Doubles&, const Flags&, const SolverChoice&, nb::object>(),
              "nodes"_a.noconvert(), "elements"_a.noconvert(), "regions"_a.none().noconvert(),

@@ -176,6 +176,24 @@ def test_the_script_of_the_readme_recovers_a_phantom(tmp_path):
     assert (tmp_path / "phantom_result/report.html").exists()
 
 
+@pytest.mark.parametrize("change, words", [
+    ({"voxels": np.zeros((4, 4), np.uint16)}, r"target: voxels must be \[k, j, i\]"),
+    ({"voxels": np.full((4, 4, 4), 0.5)}, "target: labels must be whole numbers"),
+    ({"spacing": (1.0, 1.0)}, "target: spacing must be 3 numbers"),
+    ({"direction": np.eye(2)}, "target: direction must be 9 numbers"),
+])
+def test_a_volume_of_the_wrong_shape_is_told_by_name(change, words):
+    good = np.ones((4, 4, 4), np.uint16)
+    with pytest.raises(ValueError, match=words):
+        palpate.recover(palpate.LabelVolume(good), palpate.LabelVolume(**{"voxels": good, **change}),
+                        "[background]\nstiffness_kpa = 10.0\n")
+
+
+def test_arrays_in_place_of_volumes_are_told():
+    with pytest.raises(TypeError, match="LabelVolumes or both be paths"):
+        palpate.recover(np.zeros((4, 4, 4)), np.zeros((4, 4, 4)), "\n")
+
+
 def test_the_types_hold(tmp_path):
     """A client and the package itself, under a type checker."""
     pytest.importorskip("mypy", reason="mypy is not installed")

@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
 """palpate.Solver: arrays in and out, operators of SciPy."""
+import gc
 import inspect
 import threading
+import weakref
 
 import numpy as np
 import pytest
@@ -150,6 +152,34 @@ def test_bad_arguments_are_told_in_a_sentence(change, words):
     with pytest.raises(palpate.PalpateError, match=words) as error:
         palpate.Solver(**{**two_material_bar(), **change})
     assert error.value.status in (2, 4, 8)
+
+
+@pytest.mark.parametrize("spoil", [lambda x: x + 0.7, lambda x: x + 2 ** 32, lambda x: x * np.nan])
+def test_elements_that_are_no_node_numbers_are_refused(spoil):
+    bar = two_material_bar()
+    with pytest.raises(ValueError, match="elements must be whole numbers"):
+        palpate.Solver(**{**bar, "elements": spoil(bar["elements"].astype(np.int64))})
+
+
+def test_a_gradient_of_what_is_not_finite_is_refused(solver):
+    u = np.zeros((solver.num_nodes, 3))
+    with pytest.raises(palpate.PalpateError, match="not a finite number"):
+        solver.gradient(u * np.nan, u)
+
+
+def test_a_solver_in_a_cycle_with_its_callback_is_collected():
+    class Owner:
+        def __init__(self):
+            self.solver = palpate.Solver(**two_material_bar(), method="jacobi", progress=self.tell)
+
+        def tell(self, stage, fraction, message):
+            return True
+
+    owner = Owner()
+    gone = weakref.ref(owner)
+    del owner
+    gc.collect()
+    assert gone() is None
 
 
 def test_a_wrong_shape_of_the_load_is_told(solver):

@@ -47,17 +47,24 @@ class LabelVolume:
         image.SetDirection(tuple(self.direction))
         return image
 
-    def _core(self) -> _core.Labels:
+    def _core(self, usual_name: str) -> _core.Labels:
+        name = self.name or usual_name
         voxels = np.asarray(self.voxels)
+        if voxels.ndim != 3:
+            raise ValueError(f"{name}: voxels must be [k, j, i], not of {voxels.ndim} dimensions")
+        for what, values, count in (("spacing", self.spacing, 3), ("origin", self.origin, 3),
+                                    ("direction", self.direction, 9)):
+            if np.size(values) != count:
+                raise ValueError(f"{name}: {what} must be {count} numbers")
         if voxels.dtype != np.uint16:
             with np.errstate(invalid="ignore"):
                 whole = voxels.astype(np.uint16)
             if not np.array_equal(voxels, whole):
-                raise ValueError("labels must be whole numbers from 0 to 65535")
+                raise ValueError(f"{name}: labels must be whole numbers from 0 to 65535")
             voxels = whole
         return _core.Labels(np.ascontiguousarray(voxels), [float(x) for x in self.spacing],
                             [float(x) for x in self.origin],
-                            [float(x) for x in np.ravel(self.direction)], self.name)
+                            [float(x) for x in np.ravel(self.direction)], name)
 
 
 class Result:
@@ -152,8 +159,9 @@ def recover(reference: Union[LabelVolume, Path], target: Union[LabelVolume, Path
     choice.mesh_program = _mesh_program()
     choice.solver = solver_choice(**options)
     if isinstance(reference, LabelVolume) and isinstance(target, LabelVolume):
-        return Result(_core.recover(reference._core(), target._core(), choice, progress))
-    if isinstance(reference, LabelVolume) or isinstance(target, LabelVolume):
+        return Result(_core.recover(reference._core("reference"), target._core("target"), choice,
+                                    progress))
+    if not all(isinstance(one, (str, os.PathLike)) for one in (reference, target)):
         raise TypeError("reference and target must both be LabelVolumes or both be paths")
     return Result(_core.recover_files(os.fspath(reference), os.fspath(target), choice, progress))
 

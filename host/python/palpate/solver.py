@@ -39,6 +39,16 @@ def solver_choice(method: str = "auto", backend: str = "", device: str = "",
     return choice
 
 
+def _numbers(values: npt.ArrayLike, what: str) -> npt.NDArray[np.int32]:
+    """As 32-bit integers; refuses what they cannot hold."""
+    given = np.asarray(values)
+    with np.errstate(invalid="ignore"):
+        numbers = np.ascontiguousarray(given, dtype=np.int32)
+    if not np.array_equal(given, numbers):
+        raise ValueError(f"{what} must be whole numbers below 2^31")
+    return numbers
+
+
 class Solver:
     """K(E) u = f on a mesh of linear tetrahedra with one material per region.
 
@@ -61,10 +71,10 @@ class Solver:
         stiffness = np.atleast_1d(np.asarray(stiffness_kpa, dtype=np.float64))
         ratio = np.broadcast_to(np.asarray(poisson_ratio, dtype=np.float64), stiffness.shape)
         if regions is not None:
-            regions = np.ascontiguousarray(regions, dtype=np.int32)
+            regions = _numbers(regions, "regions")
         self._solver = _core.Solver(
             np.ascontiguousarray(nodes, dtype=np.float64),
-            np.ascontiguousarray(elements, dtype=np.int32), regions,
+            _numbers(elements, "elements"), regions,
             np.ascontiguousarray(stiffness), np.ascontiguousarray(ratio),
             np.ascontiguousarray(prescribed, dtype=np.uint8), solver_choice(**options), progress)
         self.prescribed: npt.NDArray[np.bool_] = np.asarray(prescribed, dtype=bool)
