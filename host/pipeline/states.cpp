@@ -129,10 +129,18 @@ ReferenceState make_reference(LabelledState state, const RecoverOptions& options
     surface_options.outer_edge_length_mm = 4.0 * surface_options.edge_length_mm;
     report_progress(progress, "surfaces", 0,
                     fmt::format("edge length {:.2f} mm", surface_options.edge_length_mm));
-    SurfaceSummary summary;
-    reference.surface = extract_surfaces(reference.state.regions, reference.state.field,
-                                         surface_options, &summary, progress);
+    const double wanted_mm = surface_options.edge_length_mm;
+    std::string reason;
+    reference.surface = extract_surfaces_finely(reference.state.regions, reference.state.field,
+                                                surface_options, &reason, progress);
     reference.edge_length_mm = surface_options.edge_length_mm;
+    if (!reason.empty())
+        reference.state.warnings.push_back(
+            fmt::format("The surfaces have edges of {:.2f} mm and volumes within {:.0f} % of the "
+                        "voxels', not {:.2f} "
+                        "mm (for {} nodes) and 2 %: {}",
+                        reference.edge_length_mm, 100 * surface_options.volume_tolerance, wanted_mm,
+                        options.mesher.num_nodes, reason));
     reference.fixed_points = fixed_points(reference.surface, options.settings);
     return reference;
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 
 #include "host/surfaces/interfaces.hpp"
 #include "host/surfaces/label_lattice.hpp"
@@ -180,6 +181,36 @@ RegionSurface extract_surfaces(const RegionImage& image, const LabelField& field
                 fmt::format("No valid surface with edges of {} mm could be made: {}; use a smaller "
                             "edge length.",
                             options.edge_length_mm, reason));
+}
+
+RegionSurface extract_surfaces_finely(const RegionImage& image, const LabelField& field,
+                                      SurfaceOptions& options, std::string* reason,
+                                      const ProgressSink& progress) {
+    const SurfaceOptions asked = options;
+    const double voxel_mm = std::cbrt(image.grid.voxel_volume());
+    std::exception_ptr first;
+    struct Rung {
+        double share;  ///< of the edge length
+        double tolerance;
+    };
+    constexpr double wide = 0.05;
+    for (const auto& [share, tolerance] :
+         {Rung{1, 0}, Rung{0.7, 0}, Rung{0.5, 0}, Rung{1, wide}, Rung{0.5, wide}}) {
+        options.edge_length_mm = share * asked.edge_length_mm;
+        options.outer_edge_length_mm = share * asked.outer_edge_length_mm;
+        options.volume_tolerance = std::max(asked.volume_tolerance, tolerance);
+        if (first && options.edge_length_mm < 0.99 * voxel_mm) continue;
+        try {
+            return extract_surfaces(image, field, options, nullptr, progress);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::input_unusable && error.code() != ErrorCode::mesh_failed)
+                throw;
+            if (!first && reason) *reason = error.what();
+            if (!first) first = std::current_exception();
+            report_progress(progress, "surfaces", -1, fmt::format("once more: {}", error.what()));
+        }
+    }
+    std::rethrow_exception(first);
 }
 
 }  // namespace palpate

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes random label volumes as a recovery does, and prints a line for each:
 //   <seed> meshed <mesher> <inverted> <smallest dihedral angle> <largest error of a volume>
-//   <seconds> <seed> failed <code> <reason> mesh_blobs FIRST LAST
+//   <seconds> <seed> failed <code> <reason>
+// mesh_blobs FIRST LAST
 #include <fmt/core.h>
 
 #include <chrono>
@@ -89,8 +90,10 @@ void mesh(unsigned seed) {
     options.edge_length_mm = 2 * std::cbrt(image.grid.voxel_volume());
     options.outer_edge_length_mm = 4 * options.edge_length_mm;
     MesherSummary summary;
-    const RegionSurface surface =
-        extract_surfaces(image, field, {options.edge_length_mm, options.outer_edge_length_mm});
+    SurfaceOptions edges{options.edge_length_mm, options.outer_edge_length_mm};
+    const RegionSurface surface = extract_surfaces_finely(image, field, edges);
+    options.edge_length_mm = edges.edge_length_mm;
+    options.outer_edge_length_mm = edges.outer_edge_length_mm;
     make_mesh(surface, image, field, {}, options, &summary);
     fmt::print("{} meshed {} {} {:.2f} {:.4f} {:.1f}\n", seed,
                summary.mesher.substr(0, summary.mesher.find(' ')), summary.quality.num_inverted,
