@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/meshing/vtk_grid.hpp"
 
+#include <fmt/format.h>
 #include <vtkCellArray.h>
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
@@ -13,7 +14,9 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
+#include <fstream>
 #include <type_traits>
 
 #include "host/imaging/child_process.hpp"
@@ -51,9 +54,23 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
     if (messages.any()) unreadable(path, "it is damaged: " + messages.last());
     if (!grid || grid->GetNumberOfPoints() == 0 || !grid->GetPoints())
         unreadable(path, "it holds no points");
+    if (!grid->GetCells()) return grid;  // points only
     if (const auto why = why_unsafe(*grid->GetCells(), grid->GetNumberOfPoints()))
         unreadable(path, *why);
     return grid;
+}
+
+/// VTK's reader of the legacy format leaves types that are missing as they were in memory.
+void check_numbers_of_types(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    long long num_cells = -1, num_types = -1;
+    for (std::string line; std::getline(file, line);) {
+        std::sscanf(line.c_str(), "CELLS %lld", &num_cells);
+        std::sscanf(line.c_str(), "CELL_TYPES %lld", &num_types);
+    }
+    if (num_cells >= 0 && num_types >= 0 && num_cells != num_types)
+        unreadable(path,
+                   fmt::format("it has {} cells but {} types of cells", num_cells, num_types));
 }
 
 }  // namespace
@@ -63,8 +80,10 @@ vtkSmartPointer<vtkUnstructuredGrid> read_vtk_grid(const fs::path& path) {
     const std::string extension = path.extension().string();
     if (extension == ".vtu")
         return read_rehearsed(path, [&] { return run_reader<vtkXMLUnstructuredGridReader>(path); });
-    if (extension == ".vtk")
+    if (extension == ".vtk") {
+        check_numbers_of_types(path);
         return read_rehearsed(path, [&] { return run_reader<vtkUnstructuredGridReader>(path); });
+    }
     unreadable(path, "its name must end in .vtu or .vtk");
 }
 

@@ -146,18 +146,33 @@ void read_mesh(const std::filesystem::path& path) {
         for (const Index node : tet) EXPECT_LT(node, mesh.num_nodes());
 }
 
-/// An octahedron, which keeps nothing of what a mutation may hit but numbers and keywords.
-constexpr double corners[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
-                                  {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
-constexpr int faces[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
-                             {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-
 template <typename Rows>
 std::string rows_of(const Rows& rows, const std::string& before) {
     std::ostringstream text;
     for (const auto& row : rows) text << before << row[0] << ' ' << row[1] << ' ' << row[2] << '\n';
     return text.str();
 }
+
+void write_legacy_mesh(const std::filesystem::path& path) {
+    const Mesh mesh = fixtures::box_mesh({1, 1, 1}, Vec3(1, 1, 1));
+    std::ofstream out(path);
+    out << "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS "
+        << mesh.num_nodes() << " double\n"
+        << rows_of(mesh.nodes, "") << "CELLS " << mesh.num_tets() << ' ' << 5 * mesh.num_tets()
+        << '\n';
+    for (const Tet& t : mesh.tets)
+        out << "4 " << t[0] << ' ' << t[1] << ' ' << t[2] << ' ' << t[3] << '\n';
+    out << "CELL_TYPES " << mesh.num_tets() << '\n';
+    for (Index t = 0; t < mesh.num_tets(); ++t) out << "10\n";
+    out << "CELL_DATA " << mesh.num_tets() << "\nSCALARS region int 1\nLOOKUP_TABLE default\n";
+    for (Index t = 0; t < mesh.num_tets(); ++t) out << "1\n";
+}
+
+/// An octahedron, which keeps nothing of what a mutation may hit but numbers and keywords.
+constexpr double corners[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                  {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+constexpr int faces[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                             {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
 
 void write_surface(const std::filesystem::path& path) {
     std::ofstream out(path);
@@ -241,6 +256,9 @@ TEST_P(Mutation, OfAFileIsReadOrRefused) {
     const Bytes good = bytes_of(path);
     Mutator mutate(7);
     Counts counts;
+    read_one(GetParam(), path, counts);
+    ASSERT_EQ(counts.accepted, 1) << "the good one";
+    counts = {};
 
     for (int k = 0; k < num_mutations(); ++k) {
         const Bytes bytes = mutate(good);
@@ -265,13 +283,14 @@ const Format formats[] = {
     {".nii", write_labels, read_labels},     {".nrrd", write_labels, read_labels},
     {".mha", write_labels, read_labels},     {".nii.gz", write_labels, read_labels},
     {".h5", write_field, read_field},        {".tfm", write_rigid, read_rigid},
-    {".vtu", write_mesh, read_mesh},         {".vtp", write_surface, read_triangles},
-    {".vtk", write_surface, read_triangles}, {".ply", write_surface, read_triangles},
-    {".stl", write_surface, read_triangles}, {".obj", write_surface, read_triangles},
+    {".vtu", write_mesh, read_mesh},         {"_mesh.vtk", write_legacy_mesh, read_mesh},
+    {".vtp", write_surface, read_triangles}, {".vtk", write_surface, read_triangles},
+    {".ply", write_surface, read_triangles}, {".stl", write_surface, read_triangles},
+    {".obj", write_surface, read_triangles},
 };
 
 INSTANTIATE_TEST_SUITE_P(Format, Mutation, testing::ValuesIn(formats), [](const auto& format) {
-    std::string name = format.param.ending.substr(1);
+    std::string name = format.param.ending.substr(1);  // "_mesh.vtk": a file a_mesh.vtk
     std::replace(name.begin(), name.end(), '.', '_');
     return name;
 });

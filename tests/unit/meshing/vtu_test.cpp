@@ -152,6 +152,17 @@ TEST(Vtu, refuses_nodes_out_of_range_flat_tets_and_fractional_labels) {
     EXPECT_EQ(code(good, "0 1 2 3", "-4"), ErrorCode::input_unusable);
 }
 
+TEST(Vtu, refuses_points_without_cells_and_cells_without_types) {
+    const PrivateFolder folder;
+    const fs::path path = folder.path() / "mesh.vtk";
+    const std::string points = "POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n";
+    std::ofstream(path) << legacy_head << points;
+    EXPECT_EQ(code_of(path), ErrorCode::input_unusable);
+    std::ofstream(path) << legacy_head << points
+                        << "CELLS 2 10\n4 0 1 2 3\n4 0 1 2 3\nCELL_TYPES 1\n10\n";
+    EXPECT_EQ(code_of(path), ErrorCode::input_unreadable);
+}
+
 TEST(Vtu, asks_for_a_region_array_where_a_real_mesh_has_none) {
     const fs::path liver = data("liver_known_force_inria/liver_tets.vtk");
     if (!fs::exists(liver)) GTEST_SKIP() << "no liver_known_force_inria under PALPATE_DATA";
