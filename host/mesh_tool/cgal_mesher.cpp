@@ -140,7 +140,7 @@ void refine(Complex& complex, const Domain& domain, const Criteria& criteria) {
 
 void improve(Complex& complex, const Domain& domain) {
     namespace p = CGAL::parameters;
-    CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = exude_deg);
+    // In this order: moving nodes takes a mesh without weights, and would forget them.
     CGAL::perturb_mesh_3(complex, domain, p::time_limit = improve_limit_s,
                          p::sliver_bound = perturb_deg);
     CGAL::exude_mesh_3(complex, p::time_limit = improve_limit_s, p::sliver_bound = exude_deg);
