@@ -88,10 +88,12 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
     noise_factor.matrixL().solveInPlace(target);
     noise_log_determinant_ = 2.0 * noise_factor.matrixLLT().diagonal().array().log().sum();
     information_.setZero(model_.num_modes(), model_.num_modes());
+    pull_of_target_.setZero(model_.num_modes());
+    target_misfit_ = target.squaredNorm();
+    if (num_rows_ == 0 || model_.num_modes() == 0) return;  // BLAS takes no empty matrices
     information_.selfadjointView<Eigen::Lower>().rankUpdate(seen_modes.transpose());
     information_.triangularView<Eigen::StrictlyUpper>() = information_.transpose();
     pull_of_target_ = seen_modes.transpose() * target;
-    target_misfit_ = target.squaredNorm();
 }
 
 LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& theta) const {

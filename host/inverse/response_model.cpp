@@ -75,6 +75,7 @@ Eigen::MatrixXd ResponseModel::coupling(const std::vector<double>& kpa) const {
 }
 
 Eigen::VectorXd ResponseModel::motion_of(const Eigen::VectorXd& driven) const {
+    if (parts_.functionals.rows() == 0) return {};  // BLAS takes no empty matrices
     if (parts_.point.is_rest()) return parts_.functionals * driven;
     return parts_.functionals * (driven - parts_.point.driven);
 }

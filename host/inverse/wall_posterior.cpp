@@ -86,7 +86,7 @@ Eigen::MatrixXd WallPosterior::covariance_of(const Eigen::MatrixXd& spread,
         for (Index p = begin; p < end; ++p) {
             const Rows& part = parts_[p];
             known[p].setZero(spread.cols(), spread.cols());
-            if (part.rows.empty()) continue;
+            if (part.rows.empty() || spread.cols() == 0) continue;  // BLAS takes no empty matrices
             Eigen::MatrixXd seen = seen_along_normals(part.rows, spread);
             part.gram.matrixL().solveInPlace(seen);
             known[p].selfadjointView<Eigen::Lower>().rankUpdate(seen.transpose());

@@ -39,8 +39,9 @@ RecoveryResult recover_target(const PreparedReference& prepared, const TargetSta
     if (target.labels) add_warnings("Target", *target.labels, result);
     result.reference_name = reference.name;
     result.target_name = target.name;
-    result.linear_solvers = {{"condensing", prepared.mechanics.condensation.solver},
-                             {"solving", found.solver}};
+    const LinearSolverInfo& condensing = prepared.mechanics.condensation.solver;
+    if (!condensing.reason.empty()) result.linear_solvers.push_back({"condensing", condensing});
+    result.linear_solvers.push_back({"solving", found.solver});
     result.timings_s = timer.times_s();
     return result;
 }

@@ -212,8 +212,9 @@ public:
             const Columns x = solve_unit_displacements(sub, *region, first, count);
             sub.block.observed_observed.middleCols(first, count) =
                 reactions(region->stiffness(), sub.observed_nodes, x);
-            sub.block.observed_driven.middleRows(first, count) =
-                reactions(region->stiffness(), sub.driven_nodes, x).transpose();
+            if (!sub.driven_nodes.empty())
+                sub.block.observed_driven.middleRows(first, count) =
+                    reactions(region->stiffness(), sub.driven_nodes, x).transpose();
         }
         symmetrise(sub.block.observed_observed);
         if (region->force().size() > 0) set_force(sub, region->force());

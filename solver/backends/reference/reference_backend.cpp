@@ -135,7 +135,7 @@ public:
         require_same_shape(x, y, "dot");
         require_columns(xy, x.columns(), "dot");
         for (Index c = 0; c < x.columns(); ++c)
-            numbers_of(xy)[c] = values_of(x).col(c).dot(values_of(y).col(c));
+            numbers_of(xy)[c] = x.rows() == 0 ? 0 : values_of(x).col(c).dot(values_of(y).col(c));
     }
 
     std::unique_ptr<DeviceOperator> make_operator(
