@@ -45,7 +45,7 @@ PointMap map_of(const WarpArguments& arguments, bool fetches) {
 
 /// What is odd about a file but was accepted.
 void say(const std::string& file, const std::vector<std::string>& warnings) {
-    for (const std::string& warning : warnings) fmt::print("{}: {}\n", file, warning);
+    for (const std::string& warning : warnings) fmt::print(stderr, "{}: {}\n", file, warning);
 }
 
 ImageGrid grid_of(const WarpArguments& arguments, const PointMap& map) {
@@ -62,6 +62,12 @@ void say(const OutsideCounts& outside, std::size_t num_voxels, const std::string
             "{} of {} voxels lie outside the displacement field, which was continued from "
             "its border\n",
             outside.field, num_voxels);
+    }
+    if (outside.folded > 0) {
+        fmt::print(
+            "{} of {} voxels lie where the displacement field folds and could not be inverted: "
+            "they show the nearest that was found\n",
+            outside.folded, num_voxels);
     }
     if (outside.image > 0) {
         fmt::print("{} of {} voxels show what lies outside the input and hold {}\n", outside.image,
@@ -98,10 +104,11 @@ int warp_points(const WarpArguments& arguments) {
     const PointTable table = read_points(arguments.input, axes);
     const PointMap map = map_of(arguments, false);
     std::vector<MovedPoint> moved;
-    std::size_t outside = 0;
+    std::size_t outside = 0, folded = 0;
     for (const Vec3& point : table.points) {
         moved.push_back(map.moved(point));
-        outside += !moved.back().inside;
+        outside += moved.back().found && !moved.back().inside;
+        folded += !moved.back().found;
     }
     write_atomically(arguments.out, [&](const fs::path& temporary) {
         write_text_file(temporary, points_csv(table, moved, axes));
@@ -111,6 +118,12 @@ int warp_points(const WarpArguments& arguments) {
             "{} of {} points lie outside the displacement field (column inside = 0) and were "
             "moved as its border is\n",
             outside, moved.size());
+    }
+    if (folded > 0) {
+        fmt::print(
+            "{} of {} points lie where the displacement field folds and could not be inverted "
+            "(column inside = 0): they were moved to the nearest that was found\n",
+            folded, moved.size());
     }
     return 0;
 }

@@ -64,7 +64,7 @@ std::vector<LandmarkResult> measure_landmarks(const std::vector<Landmark>& landm
         const MovedPoint moved = map.moved(landmark.reference);
         results.push_back({landmark,
                            (reference_to_target.apply(landmark.reference) - landmark.target).norm(),
-                           (moved.point - landmark.target).norm(), moved.inside});
+                           (moved.point - landmark.target).norm(), moved.inside && moved.found});
     }
     return results;
 }

@@ -47,10 +47,11 @@ Origin origin_of(const Image<Vec3>& field, const Vec3& y, const Vec3& start, dou
 }
 
 MovedPoint PointMap::moved(const Vec3& point) const {
-    if (!inverted) return {point + displacement_at(field, point), is_inside(field.grid, point)};
+    if (!inverted)
+        return {point + displacement_at(field, point), is_inside(field.grid, point), true};
     constexpr double found_mm = 1e-3;
     const Origin origin = origin_of(field, point, point, inversion_tolerance_mm);
-    return {origin.point, origin.defect_mm < found_mm && is_inside(field.grid, origin.point)};
+    return {origin.point, is_inside(field.grid, origin.point), origin.defect_mm < found_mm};
 }
 
 }  // namespace palpate

@@ -26,6 +26,9 @@ Origin origin_of(const Image<Vec3>& field, const Vec3& y, const Vec3& start, dou
 struct MovedPoint {
     Vec3 point = Vec3::Zero();
     bool inside = true;  ///< false where the field says nothing and its border was continued
+    /// False where the field folds and nothing that was tried moves to within 1e-3 mm of the point
+    /// (only for inverses): the best that was tried.
+    bool found = true;
 };
 
 /// A map of points of one state to points of the other: x -> x + u(x), or the inverse of that.

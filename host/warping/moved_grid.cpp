@@ -53,7 +53,7 @@ vtkSmartPointer<vtkPolyData> poly_data(const MovedGrid& grid) {
     inside->SetName("inside");
     for (const MovedPoint& p : grid.points) {
         points->InsertNextPoint(p.point.data());
-        inside->InsertNextValue(p.inside ? 1 : 0);
+        inside->InsertNextValue(p.inside && p.found ? 1 : 0);
     }
     vtkNew<vtkCellArray> lines;
     for (const auto& line : grid.lines) {

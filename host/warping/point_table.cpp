@@ -158,7 +158,7 @@ std::string points_csv(const PointTable& table, const std::vector<MovedPoint>& m
         const Vec3 point = flipped(moved[r].point, axes);
         for (int a = 0; a < 3; ++a) cells[table.columns[a]] = fmt::format("{:.6f}", point[a]);
         const bool was_inside = old == none || cells[old] != "0";
-        const std::string inside = moved[r].inside && was_inside ? "1" : "0";
+        const std::string inside = moved[r].inside && moved[r].found && was_inside ? "1" : "0";
         if (old == none) {
             cells.push_back(inside);
         } else {

@@ -20,7 +20,7 @@ template <typename T, typename Value>
 Warped<T> warp(const ImageGrid& source, const PointMap& back, const ImageGrid& grid, T fill,
                const Value& value) {
     Warped<T> out{{grid, std::vector<T>(grid.num_voxels(), fill)}, {}};
-    std::atomic<std::size_t> beyond_field{0}, beyond_image{0};
+    std::atomic<std::size_t> beyond_field{0}, folded{0}, beyond_image{0};
     parallel_for(grid.size[1] * grid.size[2], [&](std::size_t begin, std::size_t end) {
         OutsideCounts here;
         for (std::size_t row = begin; row < end; ++row) {
@@ -28,16 +28,18 @@ Warped<T> warp(const ImageGrid& source, const PointMap& back, const ImageGrid& g
             const Index k = static_cast<Index>(row) / grid.size[1];
             for (Index i = 0; i < grid.size[0]; ++i) {
                 const MovedPoint x = back.moved(grid.to_point(Vec3(i, j, k)));
-                here.field += !x.inside;
+                here.field += x.found && !x.inside;
+                here.folded += !x.found;
                 const bool in_image = is_inside(source, x.point);
                 here.image += !in_image;
                 if (in_image) out.image.at(i, j, k) = value(x.point);
             }
         }
         beyond_field += here.field;
+        folded += here.folded;
         beyond_image += here.image;
     });
-    out.outside = {beyond_field, beyond_image};
+    out.outside = {beyond_field, folded, beyond_image};
     return out;
 }
 

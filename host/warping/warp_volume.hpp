@@ -16,8 +16,9 @@ enum class Interpolation {
 
 /// Voxels of an output that something had to be assumed for.
 struct OutsideCounts {
-    std::size_t field = 0;  ///< beyond the displacement field, which was continued from its border
-    std::size_t image = 0;  ///< their content lies beyond the input: they got the fill value
+    std::size_t field = 0;   ///< beyond the displacement field, which was continued from its border
+    std::size_t folded = 0;  ///< where the field could not be inverted
+    std::size_t image = 0;   ///< their content lies beyond the input: they got the fill value
 };
 
 template <typename T>

@@ -183,7 +183,7 @@ def test_only_the_grid_of_a_volume_to_be_like_counts(scene, tmp_path):
     finished = warp("image", scene / "out", image, "--like", tmp_path / "like.nii.gz", "--out",
                     tmp_path / "warped.nii.gz")
     assert nibabel.load(tmp_path / "warped.nii.gz").shape == like.shape
-    assert "like.nii.gz: " in finished.stdout and "sform" in finished.stdout
+    assert "like.nii.gz: " in finished.stderr and "sform" in finished.stderr
 
 
 def test_an_image_on_a_given_grid_is_sampled_where_its_points_come_from(scene, tmp_path):

@@ -51,6 +51,22 @@ TEST(PointMap, InvertedSaysWhereItFoundNothing) {
     EXPECT_FALSE(back.moved(back.field.grid.to_point(Vec3(60, 5, 5))).inside);
 }
 
+TEST(PointMap, InvertedTellsFoldsFromTheOutside) {
+    PointMap back{sampled(oblique_grid(), [](const Vec3&) { return Vec3(0, 0, 0); }), true};
+    const ImageGrid& grid = back.field.grid;
+    for (Index i = 0; i < grid.size[0]; ++i)  // all of a row move to its first voxel
+        back.field.at(i, 8, 8) = grid.to_point(Vec3(0, 8, 8)) - grid.to_point(Vec3(i, 8, 8));
+
+    int lost = 0;
+    for (Index i = 0; i < grid.size[0]; ++i)
+        lost += !back.moved(grid.to_point(Vec3(i, 8, 8))).found;
+    EXPECT_GT(lost, 0);
+    EXPECT_TRUE(back.moved(grid.to_point(Vec3(20, 15, 8))).found);
+    const MovedPoint outside = back.moved(grid.to_point(Vec3(-9, 15, 8)));
+    EXPECT_TRUE(outside.found);
+    EXPECT_FALSE(outside.inside);
+}
+
 TEST(OriginOf, FindsItInAFieldSteeperThanOne) {
     ImageGrid grid;
     grid.size = {80, 3, 3};
