@@ -4,6 +4,7 @@
 """Devices that fail. R19: every OpenCL call that fails ends a run with code 8 and one sentence, or does
 not matter; nothing leaks, hangs or is half-written. R20: a bit that flips on the device never gives a
 wrong result without a word. R21: a kernel that hangs ends with the time limit."""
+import dataclasses
 import json
 import pathlib
 import sys
@@ -16,6 +17,8 @@ CALLS = {"buffer": -4, "kernel": -5, "build": -11, "source": -6, "read": -36, "w
 MULTIGRID = ("--linear-solver", "multigrid")  # small scenes are otherwise solved on the host
 LIMIT_S = 30
 SAME_MM = 1e-4  # R6, of single precision: relative
+MOST_CALLS = 60  # of a kind that are made to fail, one by one
+LEAST_STRUCK = 0.9  # calls differ a little from run to run: the fastest product is measured
 
 
 def faults(call, at, report, cache, **more):
@@ -24,19 +27,33 @@ def faults(call, at, report, cache, **more):
             "PALPATE_CACHE_DIR": str(cache), **more}
 
 
-def why_wrong(finished, report, expected_codes=(8,)):
-    """What is wrong with a run in which a call of the device may have failed; None if nothing."""
-    if not report.exists():
+@dataclasses.dataclass
+class Report:
+    """What the layer wrote when the process ended."""
+    calls: int  # of this kind
+    struck: bool
+    buffers_left: int
+
+    @staticmethod
+    def read(path):
+        if not path.exists():
+            return None
+        words = path.read_text().split()
+        return Report(int(words[1]), words[3] == "1", int(words[5]))
+
+
+def why_wrong(finished, report):
+    """What is wrong with a run in which a call of the device may have failed; "same" if its result
+    must be that of a whole run; None if nothing."""
+    if report is None:
         return "it ended without running its exit handlers"
-    words = report.read_text().split()
-    fired, left = words[3] == "1", int(words[5])
-    if left != 0:
-        return f"{left} buffers are left"
+    if report.buffers_left != 0:
+        return f"{report.buffers_left} buffers are left"
     if finished.seconds > LIMIT_S + 60:
         return "it hung"
-    if not fired:
+    if not report.struck:
         return None if finished.code in (0, 7) else "it failed without a fault"
-    if finished.code in expected_codes:
+    if finished.code == 8:
         return None if finished.says_one_sentence() else "it does not say one sentence"
     return "same" if finished.code in (0, 7) else "the code is not 8"
 
@@ -51,37 +68,60 @@ def agrees(found, expected, tolerance):
         abs(a - b) <= tolerance * abs(b) for a, b in zip(found, expected))
 
 
-def faulty_client(scene, call, numbers, cache):
-    """The same through the C interface."""
-    whole = run("opencl", "jacobi", 1, program=BIN / "solve_client").stdout.split()[3]
+def swept(name, call, one_run, long):
+    """The figure of a fault in the first, ... 60th call of a kind, as far as there are so many.
+    `one_run(at)` gives (report, what is wrong); 0 strikes nothing and counts the calls."""
+    count = one_run(0)[0].calls
+    assert count > 0, f"{name} makes no call of the kind {call}"
+    last = min(count, MOST_CALLS)
+    numbers = range(1, last + 1) if long else spread(1, last, 3)
+    results = in_parallel(lambda at: (at, *one_run(at)), numbers)
+    failures = [f"{call} {at}: {why}" for at, _, why in results if why]
+    struck = sum(report is not None and report.struck for _, report, _ in results)
+    if struck < LEAST_STRUCK * len(results):
+        failures.append(f"only {struck} of {len(results)} runs were struck")
+    figure = share("R19", f"{name}: {call} gives {CALLS[call]}", failures, len(results),
+                   "code 8 or the same")
+    figure.measured += f", {struck} struck"
+    return figure
 
-    def case(at):
-        report = scene.fresh() / "report"
+
+def faulty_client(scene, call, long):
+    """Through the C interface."""
+    whole = float(run("opencl", "jacobi", 1, program=BIN / "solve_client").stdout.split()[3])
+
+    def one_run(at):
+        path = scene.fresh() / "report"
         finished = run("opencl", "jacobi", 1, program=BIN / "solve_client", limit_s=LIMIT_S,
-                       environment=faults(call, at, report, cache))
+                       environment=faults(call, at, path, cache_for(scene, call)))
+        report = Report.read(path)
         why = why_wrong(finished, report)
         if why == "same":
             got = float(finished.stdout.split()[3])
-            why = None if abs(got - float(whole)) <= SAME_MM * float(whole) else "another result"
-        return f"{call} {at}: {why}; {finished}" if why else None
-    return [text for text in in_parallel(case, numbers) if text]
+            why = None if abs(got - whole) <= SAME_MM * whole else "another result"
+        return report, f"{why}; {finished}" if why else None
+    return swept("C", call, one_run, long)
 
 
-def faulty_recovery(scene, call, numbers, expected):
-    def case(at):
+def cache_for(scene, call):
+    """Compiled kernels; none where it is the compiling that fails."""
+    return scene.fresh() if call in ("build", "source") else scene.folder / "cache"
+
+
+def faulty_recovery(scene, call, expected, long):
+    def one_run(at):
         work = scene.fresh()
-        cache = scene.fresh() if call in ("build", "source") else scene.folder / "cache"
-        report = work / "report"
         finished = run(*scene.recover_words(work / "out", *MULTIGRID), limit_s=LIMIT_S + 90,
-                       environment=faults(call, at, report, cache))
+                       environment=faults(call, at, work / "report", cache_for(scene, call)))
+        report = Report.read(work / "report")
         why = why_wrong(finished, report)
         if why == "same":
             why = None if agrees(moduli(work / "out"), expected, 1e-3) else "another result"
         elif not why and finished.code not in (0, 7):
             left = {entry.name for entry in work.iterdir()} - {"report"}
             why = f"left {left}" if left else None
-        return f"{call} {at}: {why}; {finished}" if why else None
-    return [text for text in in_parallel(case, numbers) if text]
+        return report, f"{why}; {finished}" if why else None
+    return swept("recover", call, one_run, long)
 
 
 def flipped_bits(scene, expected, seeds):
@@ -90,7 +130,7 @@ def flipped_bits(scene, expected, seeds):
     finished = run(*scene.recover_words(scene.fresh() / "out", *MULTIGRID),
                    environment=faults("flip", 0, report, scene.folder / "cache"))
     assert finished.code in (0, 7), finished
-    launches = int(report.read_text().split()[1])
+    launches = Report.read(report).calls
 
     def case(seed):
         work = scene.fresh()
@@ -107,21 +147,23 @@ def flipped_bits(scene, expected, seeds):
         return "told", None if finished.code in (6, 7, 8) else f"seed {seed}: {finished}"
     results = in_parallel(case, range(1, seeds + 1))
     failures = [text for _, text in results if text]
-    figure = share("R20", "bit flipped on the device: right or told", failures, seeds, ">= 99 %",
-                   0.99)
+    figure = share("R20", "bit flipped on the device: right, told or crashed", failures, seeds,
+                   ">= 99 %", 0.99)
     count = {kind: sum(kind == other for other, _ in results) for kind in ("told", "crashed")}
     figure.measured += f" ({count['told']} told, {count['crashed']} crashed)"
     return figure
 
 
-def hanging_kernel(scene, limit_s, patience_s):
+def hanging_kernel(scene, limit_s, long):
+    """On a busy machine times say nothing: they are judged in the long form."""
     work = scene.fresh()
     finished = run(*scene.recover_words(work / "out", *MULTIGRID, "--time-limit", limit_s),
                    environment=faults("hang", 40, work / "report", scene.folder / "cache"))
-    fine = (finished.code == 9 and finished.seconds < limit_s + patience_s and finished.says_one_sentence()
-            and not (work / "out").exists())
-    return Figure("R21", "kernel that hangs, time limit", f"{finished.seconds - limit_s:+.1f} s",
-                  "code 9 within +2 s", fine, "" if fine else str(finished))
+    late = finished.seconds - limit_s
+    fine = (finished.code == 9 and finished.says_one_sentence() and not (work / "out").exists()
+            and (late <= 2 or not long))
+    return Figure("R21", "kernel that hangs, time limit", f"{late:+.1f} s",
+                  "code 9 within +2 s" if long else "code 9", fine, "" if fine else str(finished))
 
 
 def figures(long):
@@ -134,24 +176,11 @@ def figures(long):
         expected = moduli(whole)
         run("opencl", "jacobi", 1, program=BIN / "solve_client",
             environment={"PALPATE_CACHE_DIR": str(cache)})
-        found = []
-        for call, status in CALLS.items():
-            is_built = call in ("build", "source")
-            numbers = range(1, 61) if long else [2] if is_built else spread(1, 60, 3)
-            failures = []
-            for part in numbers if is_built else [None]:
-                store = scene.fresh() if part else cache
-                failures += faulty_client(scene, call, [part] if part else numbers, store)
-            found.append(share("R19", f"C: {call} gives {status}", failures, len(numbers),
-                               "code 8 or the same"))
-        for call, status in CALLS.items():
-            numbers = range(1, 61) if long else [2, 40]
-            if call in ("read", "kernel") or long:
-                failures = faulty_recovery(scene, call, numbers, expected)
-                found.append(share("R19", f"recover: {call} gives {status}", failures, len(numbers),
-                                   "code 8 or the same"))
+        found = [faulty_client(scene, call, long) for call in CALLS]
+        found += [faulty_recovery(scene, call, expected, long)
+                  for call in (CALLS if long else ("read", "kernel"))]
         found.append(flipped_bits(scene, expected, 100 if long else 2))
-        found.append(hanging_kernel(scene, 5, 3 if long else 30))
+        found.append(hanging_kernel(scene, 5, long))
     return found
 
 

@@ -27,11 +27,11 @@ def entries(cache):
 def at_once(scene, processes, builds):
     """Processes that begin together with an empty folder, over and over."""
     failures, total = [], 0
-    per_run = 0
     while total < builds:
         cache = scene.fresh()
         finished = in_parallel(lambda _, cache=cache: solve(cache), range(processes), processes)
         per_run = len(entries(cache))
+        assert per_run > 0, f"nothing was kept: {finished[0]}"
         total += per_run * processes
         failures += [str(one) for one in finished if one.code != 0]
     return share("R22", f"{processes} processes share a folder: builds", failures, total,

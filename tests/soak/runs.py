@@ -20,6 +20,7 @@ FILE_FAULTS = BIN / "libpalpate_file_faults.so"
 
 BOX = """
 [mesh]
+quadratic = {quadratic}
 box = {{size_mm = [{size}, {size}, {size}], divisions = [{divisions}, {divisions}, {divisions}]}}
 [[material]]
 law = "{law}"
@@ -36,10 +37,11 @@ z_mm = {pull}
 """
 
 
-def box_model(size=4, divisions=2, law="neo-hookean", stiffness=10.0, ratio=0.3, pull=1.0):
+def box_model(size=4, divisions=2, law="neo-hookean", stiffness=10.0, ratio=0.3, pull=1.0,
+              quadratic=False):
     """Settings of `palpate simulate` for a cube that is pulled."""
     return BOX.format(size=size, divisions=divisions, law=law, stiffness=stiffness, ratio=ratio,
-                      pull=pull)
+                      pull=pull, quadratic=str(quadratic).lower())
 
 
 @dataclasses.dataclass

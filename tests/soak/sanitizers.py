@@ -18,14 +18,22 @@ THREADED = ["solver_test", "inverse_test", "linear_solver_contract_test", "solid
             "equilibrium_contract_test", "handles_client"]
 REPORT = re.compile(r"(ERROR: \w+Sanitizer|WARNING: ThreadSanitizer|runtime error:)")
 HERE = pathlib.Path(__file__).resolve().parent
-OPTIONS = {
-    # Libraries keep what they made until the process ends.
-    "LSAN_OPTIONS": f"suppressions={HERE / 'leak_suppressions.txt'}",
-    "UBSAN_OPTIONS": "print_stacktrace=1",
-    # Libraries that were not built for it are not looked into.
-    "TSAN_OPTIONS": f"suppressions={HERE / 'thread_suppressions.txt'}",
-    "OPENBLAS_NUM_THREADS": "1",
-}
+
+
+def options(reports):
+    """Environment of a suite whose reports go to files that begin with this path: children that read
+    files are silent, and what they print is taken for a complaint about the file."""
+    log = f"log_path={reports}"
+    return {
+        # Libraries keep what they made until the process ends.
+        "LSAN_OPTIONS": f"suppressions={HERE / 'leak_suppressions.txt'}",
+        "ASAN_OPTIONS": log,
+        "UBSAN_OPTIONS": f"print_stacktrace=1:{log}",
+        # Libraries that were not built for it are not looked into.
+        "TSAN_OPTIONS": f"ignore_noninstrumented_modules=1:{log}:"
+                        f"suppressions={HERE / 'thread_suppressions.txt'}",
+        "OPENBLAS_NUM_THREADS": "1",
+    }
 
 
 def commands_of(preset, programs):
@@ -51,14 +59,21 @@ def under(preset, chosen=None):
     commands = commands_of(preset, ROOT / "build" / preset / "bin")
     suites = chosen or sorted(commands)
     reports, failed = [], []
-    for suite in suites:
-        program, *words = commands[suite]
-        finished = run(*words, program=program, environment=OPTIONS, limit_s=7200, cwd=ROOT)
-        text = finished.stdout + finished.stderr
-        reports += [f"{suite}: {line}" for line in text.splitlines() if REPORT.search(line)]
-        if finished.code != 0:
-            failed.append(f"{suite}: code {finished.code} " + " ".join(
-                re.findall(r"\[  FAILED  \] (\S+)", text)[:5]))
+    with Scene() as scene:
+        for suite in suites:
+            program, *words = commands[suite]
+            finished = run(*words, program=program, environment=options(scene.folder / suite),
+                           limit_s=7200, cwd=ROOT)
+            text = "\n".join(path.read_text(errors="replace") for path in scene.folder.glob(f"{suite}.*"))
+            found = [f"{suite}: {line}" for line in text.splitlines() if REPORT.search(line)]
+            print(f"{preset} {suite}: code {finished.code}, {finished.seconds:.0f} s, {len(found)} reports",
+                  file=sys.stderr, flush=True)
+            reports += found
+            if found:
+                print(text[:8000], file=sys.stderr, flush=True)
+            if finished.code != 0:
+                failed.append(f"{suite}: code {finished.code} " + " ".join(
+                    re.findall(r"\[  FAILED  \] (\S+)", finished.stdout)[:5]))
     return [Figure("R30", f"{preset}: reports of {len(suites)} suites", str(len(reports)), "0",
                    not reports, "\n".join(reports[:20])),
             Figure("R30", f"{preset}: suites that fail", str(len(failed)), "0", not failed,
