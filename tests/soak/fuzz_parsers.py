@@ -18,8 +18,8 @@ from tests.soak.figures import Figure, main  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SECONDS = int(os.environ.get("PALPATE_FUZZ_SECONDS", 600))
-PARSERS = ["nifti", "nrrd", "meta", "settings", "simulation", "load_table", "point_text", "study_rows",
-           "saved_reference"]
+PARSERS = ["nifti", "nrrd", "meta", "settings", "simulation", "load_table", "point_text", "point_table", "study_rows",
+           "saved_reference", "program_entry"]
 
 
 def cases(*endings):
@@ -40,6 +40,9 @@ def seeds(parser):
         "simulation": lambda: texts("examples/simulate/*.toml"),
         "load_table": lambda: texts("examples/simulate/*.csv") + [b"time_s,depth\n0,0\n1,0.5\n2,1\n"],
         "point_text": lambda: [b"x,y,z\n1,2,3\n4 5 6\n# no\n7;8;9\n-1e3\t+2.5 0\r\n" * 3],
+        "point_table": lambda: [b'# a\nname,x,y,z\n"a, b",1,2,3\nc,4,5,6\n', b"1,2,3\n4;5;6\n"],
+        "program_entry": lambda: [b"palpate program1" + struct.pack("<QQQ", 20, 3, 0) +
+                                  b"the key of a program" + b"\1\2\3"],
         "study_rows": lambda: [b'case,"a, b",c\r\n1,"say ""so""",x\n2,,\n'],
         "saved_reference": lambda: [struct.pack("<Q", 5) + b"0.1.0" + bytes(400), bytes(2000)],
     }[parser]()
@@ -72,7 +75,7 @@ def fuzz(parser, folder):
     finding = "" if finished.returncode == 0 else finished.stderr[-4000:]
     for path in folder.glob(f"{parser}-*"):
         finding += f"\ninput: {path.read_bytes()[:2000]!r}"
-    return Figure("R12", f"{parser}: runs in {SECONDS} s", f"{executions:,}", "no finding", not finding, finding)
+    return Figure("R12", f"{parser}: runs, {SECONDS} s at most", f"{executions:,}", "no finding", not finding, finding)
 
 
 def figures(long):
