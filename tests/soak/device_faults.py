@@ -71,8 +71,9 @@ def agrees(found, expected, tolerance):
 def swept(name, call, one_run, long):
     """The figure of a fault in the first, ... 60th call of a kind, as far as there are so many.
     `one_run(at)` gives (report, what is wrong); 0 strikes nothing and counts the calls."""
-    count = one_run(0)[0].calls
-    assert count > 0, f"{name} makes no call of the kind {call}"
+    untouched, why = one_run(0)
+    assert untouched and untouched.calls > 0, f"{name}, no fault, {call}: {why or 'no such call'}"
+    count = untouched.calls
     last = min(count, MOST_CALLS)
     numbers = range(1, last + 1) if long else spread(1, last, 3)
     results = in_parallel(lambda at: (at, *one_run(at)), numbers)
@@ -83,6 +84,7 @@ def swept(name, call, one_run, long):
     figure = share("R19", f"{name}: {call} gives {CALLS[call]}", failures, len(results),
                    "code 8 or the same")
     figure.measured += f", {struck} struck"
+    print(figure.what, figure.measured, file=sys.stderr, flush=True)
     return figure
 
 
@@ -111,7 +113,7 @@ def cache_for(scene, call):
 def faulty_recovery(scene, call, expected, long):
     def one_run(at):
         work = scene.fresh()
-        finished = run(*scene.recover_words(work / "out", *MULTIGRID), limit_s=LIMIT_S + 90,
+        finished = run(*scene.recover_words(work / "out", *MULTIGRID), limit_s=LIMIT_S + 270,
                        environment=faults(call, at, work / "report", cache_for(scene, call)))
         report = Report.read(work / "report")
         why = why_wrong(finished, report)
