@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
+#include <itkObjectFactoryBase.h>
+#include <itkTransformBase.h>
 #include <itkTransformFileReader.h>
 #include <itkTransformFileWriter.h>
 #include <itkVersorRigid3DTransform.h>
@@ -7,6 +9,10 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
 
 #include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
@@ -28,9 +34,43 @@ Vec3 image_of(const itk::Transform<double, 3, 3>& transform, const Vec3& x) {
     return Vec3(moved[0], moved[1], moved[2]);
 }
 
+/// How many numbers follow the colon.
+std::size_t count_numbers(const std::string& line) {
+    std::istringstream words(line.substr(line.find(':') + 1));
+    return static_cast<std::size_t>(std::distance(std::istream_iterator<std::string>(words), {}));
+}
+
+/// ITK's reader of text takes from memory what lacks behind "Parameters:".
+void check_numbers_of_text(const std::filesystem::path& path) {
+    using Base = itk::TransformBaseTemplate<double>;
+    std::ifstream file(path);
+    Base::Pointer transform;
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with("Transform:")) {
+            std::string name = line.substr(line.find(':') + 1);
+            name.erase(0, name.find_first_not_of(" \t"));
+            name.erase(name.find_last_not_of(" \t\r") + 1);
+            const auto made = itk::ObjectFactoryBase::CreateInstance(name.c_str());
+            transform = dynamic_cast<Base*>(made.GetPointer());
+            if (made) made->UnRegister();
+        }
+        const bool is_fixed = line.starts_with("FixedParameters:");
+        if (!transform || !(is_fixed || line.starts_with("Parameters:"))) continue;
+        const std::size_t needed =
+            is_fixed ? transform->GetFixedParameters().size() : transform->GetNumberOfParameters();
+        if (count_numbers(line) != needed)
+            throw Error(ErrorCode::input_unreadable, "it is damaged: a transform of it has " +
+                                                         std::to_string(count_numbers(line)) +
+                                                         " parameters, not " +
+                                                         std::to_string(needed));
+    }
+}
+
 /// Runs in the child: y = matrix x + translation, 12 numbers, matrix by columns.
 void read_linear(const std::filesystem::path& path, double* numbers) {
     register_transform_formats();
+    const std::string ending = path.extension().string();
+    if (ending == ".tfm" || ending == ".txt") check_numbers_of_text(path);
     const auto reader = itk::TransformFileReaderTemplate<double>::New();
     reader->SetFileName(path.string());
     reader->Update();

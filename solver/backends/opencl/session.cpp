@@ -22,6 +22,14 @@ static_assert(gpu_group_items <= max_work_group_items && cpu_group_rows <= max_w
 Session::Session(std::shared_ptr<OpenclDevice> device, Precision precision)
     : device_(std::move(device)), precision_(precision) {}
 
+Session::~Session() {
+    try {
+        wait();
+    } catch (const cl::Error&) {
+        return;  // a device that failed was told where it did
+    }
+}
+
 cl::Buffer Session::make_buffer(std::size_t bytes) const {
     if (bytes > device_->max_allocation)
         throw Error(ErrorCode::out_of_memory,

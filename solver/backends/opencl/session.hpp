@@ -52,6 +52,11 @@ struct KernelName {
 class Session {
 public:
     Session(std::shared_ptr<OpenclDevice> device, Precision precision);
+    /// Waits for what was launched. PoCL compiles a kernel when it first runs, on a thread of its
+    /// own; a process that ended meanwhile was aborted by it.
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
 
     const OpenclDevice& device() const { return *device_; }
     OpenclDevice& device() { return *device_; }

@@ -78,6 +78,9 @@ TEST(RigidTransform, RefusesWhatIsNotRigid) {
     refuse("mirrored.tfm", affine("-1 0 0 0 1 0 0 0 1 0 0 0"), ErrorCode::input_unusable);
     refuse("plane.tfm", transform_file("Euler2DTransform_double_2_2", "0.1 1 2", "0 0"),
            ErrorCode::input_unusable);
+    for (const char* numbers : {"0 0 0 1 2", "", "0 0 0 1 2 3 4"})
+        refuse("cut.tfm", transform_file("VersorRigid3DTransform_double_3_3", numbers, "0 0 0"),
+               ErrorCode::input_unreadable);
     refuse("text.tfm", "hello\n", ErrorCode::input_unreadable);
     refuse("empty.h5", "", ErrorCode::input_unreadable);
     refuse("ending.xyz", "", ErrorCode::input_unreadable);
