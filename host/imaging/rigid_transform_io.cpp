@@ -8,15 +8,16 @@
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 
 #include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
+#include "host/imaging/preflight.hpp"
 #include "host/imaging/transform_formats.hpp"
 #include "solver/base/error.hpp"
 
@@ -34,10 +35,12 @@ Vec3 image_of(const itk::Transform<double, 3, 3>& transform, const Vec3& x) {
     return Vec3(moved[0], moved[1], moved[2]);
 }
 
-/// How many numbers follow the colon.
-std::size_t count_numbers(const std::string& line) {
-    std::istringstream words(line.substr(line.find(':') + 1));
-    return static_cast<std::size_t>(std::distance(std::istream_iterator<std::string>(words), {}));
+/// As ITK reads them: up to the first word that is none.
+std::size_t count_numbers(const std::string& text) {
+    std::istringstream words(text);
+    std::size_t count = 0;
+    for (double number; words >> number;) ++count;
+    return count;
 }
 
 /// ITK's reader of text takes from memory what lacks behind "Parameters:".
@@ -46,23 +49,24 @@ void check_numbers_of_text(const std::filesystem::path& path) {
     std::ifstream file(path);
     Base::Pointer transform;
     for (std::string line; std::getline(file, line);) {
-        if (line.starts_with("Transform:")) {
-            std::string name = line.substr(line.find(':') + 1);
-            name.erase(0, name.find_first_not_of(" \t"));
-            name.erase(name.find_last_not_of(" \t\r") + 1);
+        const std::size_t colon = std::min(line.find(':'), line.size());
+        const std::string key = detail::trimmed(line.substr(0, colon));
+        const std::string value = colon < line.size() ? line.substr(colon + 1) : "";
+        if (key == "Transform") {
+            const std::string name = detail::trimmed(value);
             const auto made = itk::ObjectFactoryBase::CreateInstance(name.c_str());
             transform = dynamic_cast<Base*>(made.GetPointer());
             if (made) made->UnRegister();
         }
-        const bool is_fixed = line.starts_with("FixedParameters:");
-        if (!transform || !(is_fixed || line.starts_with("Parameters:"))) continue;
+        const bool is_fixed = key == "FixedParameters";
+        if (!transform || !(is_fixed || key == "Parameters")) continue;
+        const std::size_t found = count_numbers(value);
         const std::size_t needed =
             is_fixed ? transform->GetFixedParameters().size() : transform->GetNumberOfParameters();
-        if (count_numbers(line) != needed)
-            throw Error(ErrorCode::input_unreadable, "it is damaged: a transform of it has " +
-                                                         std::to_string(count_numbers(line)) +
-                                                         " parameters, not " +
-                                                         std::to_string(needed));
+        if (found != needed)
+            throw Error(ErrorCode::input_unreadable,
+                        "it is damaged: a transform of it has " + std::to_string(found) +
+                            " parameters, not " + std::to_string(needed));
     }
 }
 
