@@ -27,7 +27,8 @@ def options(reports):
     return {
         # Libraries keep what they made until the process ends.
         "LSAN_OPTIONS": f"suppressions={HERE / 'leak_suppressions.txt'}",
-        "ASAN_OPTIONS": log,
+        # A size from a damaged file: without sanitizers the child's limit of memory refuses it.
+        "ASAN_OPTIONS": f"allocator_may_return_null=1:{log}",
         "UBSAN_OPTIONS": f"print_stacktrace=1:{log}",
         # Libraries that were not built for it are not looked into.
         "TSAN_OPTIONS": f"ignore_noninstrumented_modules=1:{log}:"
