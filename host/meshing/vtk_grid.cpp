@@ -60,13 +60,15 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
     return grid;
 }
 
-/// VTK's reader of the legacy format leaves types that are missing as they were in memory.
+/// VTK's reader of the legacy format leaves types that are missing as they were in memory. From
+/// version 5 of the format on, offsets are counted in place of cells: one more.
 void check_numbers_of_types(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     long long num_cells = -1, num_types = -1;
     for (std::string line; std::getline(file, line);) {
         std::sscanf(line.c_str(), "CELLS %lld", &num_cells);
         std::sscanf(line.c_str(), "CELL_TYPES %lld", &num_types);
+        if (line.starts_with("OFFSETS ")) --num_cells;
     }
     if (num_cells >= 0 && num_types >= 0 && num_cells != num_types)
         unreadable(path,

@@ -152,6 +152,25 @@ TEST(Vtu, refuses_nodes_out_of_range_flat_tets_and_fractional_labels) {
     EXPECT_EQ(code(good, "0 1 2 3", "-4"), ErrorCode::input_unusable);
 }
 
+TEST(Vtu, reads_the_legacy_format_as_vtk_9_writes_it) {
+    const PrivateFolder folder;
+    const fs::path path = folder.path() / "mesh.vtk";
+    const auto write = [&](const std::string& types) {
+        std::ofstream(path) << "# vtk DataFile Version 5.1\na\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                               "POINTS 5 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\nCELLS 3 8\n"
+                               "OFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n"
+                               "0 1 2 3 1 2 3 4\n"
+                            << types
+                            << "\n\nCELL_DATA 2\nSCALARS region int 1\nLOOKUP_TABLE default\n7 9\n";
+    };
+    write("CELL_TYPES 2\n10\n10");
+    const Mesh mesh = read_vtu(path);
+    EXPECT_EQ(mesh.num_tets(), 2);
+    EXPECT_EQ(mesh.region, (std::vector<Index>{7, 9}));
+    write("CELL_TYPES 1\n10");
+    EXPECT_EQ(code_of(path), ErrorCode::input_unreadable);
+}
+
 TEST(Vtu, refuses_points_without_cells_and_cells_without_types) {
     const PrivateFolder folder;
     const fs::path path = folder.path() / "mesh.vtk";
