@@ -137,10 +137,9 @@ ReferenceState make_reference(LabelledState state, const RecoverOptions& options
     if (!reason.empty())
         reference.state.warnings.push_back(
             fmt::format("The surfaces have edges of {:.2f} mm and volumes within {:.0f} % of the "
-                        "voxels', not {:.2f} "
-                        "mm (for {} nodes) and 2 %: {}",
+                        "voxels', not {:.2f} mm (for {} nodes) and {:.0f} %: {}",
                         reference.edge_length_mm, 100 * surface_options.volume_tolerance, wanted_mm,
-                        options.mesher.num_nodes, reason));
+                        options.mesher.num_nodes, 100 * SurfaceOptions{}.volume_tolerance, reason));
     reference.fixed_points = fixed_points(reference.surface, options.settings);
     return reference;
 }

@@ -41,7 +41,7 @@ std::vector<fs::path>& missing_folders() {
     return *all;
 }
 
-std::string& program_name() {
+std::string& told_name() {
     static auto* name = new std::string("palpate");
     return *name;
 }
@@ -102,13 +102,15 @@ void catch_one(int signal) {
 }  // namespace
 
 void catch_interrupts(const std::string& program) {
-    program_name() = program;
+    told_name() = program;
     make_scratch();
     if (pipe(wake_up) != 0) return;  // signals then end the program as the system does
     std::thread(watch).detach();
     catch_one(SIGINT);
     catch_one(SIGTERM);
 }
+
+const std::string& program_name() { return told_name(); }
 
 bool is_interrupted() { return num_signals > 0; }
 

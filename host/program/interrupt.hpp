@@ -20,6 +20,9 @@ namespace palpate {
 /// here on, which is removed at the end, and those of programs that were killed with it.
 void catch_interrupts(const std::string& program);
 
+/// As `catch_interrupts` was told it.
+const std::string& program_name();
+
 bool is_interrupted();
 
 /// Throws Error(cancelled) once a signal has come.

@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "host/program/interrupt.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
 
@@ -103,9 +104,9 @@ void look_for_devices() {
 
 void tell_crashes(std::size_t limit) {
     last_words() = fmt::format(
-        "palpate: a library ended the program, most likely because the limit of {} MiB of address "
+        "{}: a library ended the program, most likely because the limit of {} MiB of address "
         "space is too small; raise it (ulimit -v), or use fewer --nodes\n",
-        limit);
+        program_name(), limit);
     for (const int signal : {SIGABRT, SIGBUS, SIGSEGV}) std::signal(signal, end_with_last_words);
 }
 

@@ -37,6 +37,16 @@ def test_an_unknown_option_is_a_usage_error(phantom, out):
     fails_cleanly(run_palpate(*recover_arguments(phantom, out, "--bogus")), out, 2, "--bogus")
 
 
+@pytest.mark.parametrize("words, sentence", [
+    (["recovr", "a"], "there is no command 'recovr'; there are recover, phantom"),
+    (["study", "foo"], "there is no command 'foo'; there are coverage"),
+    (["warp", "--inverse"], "A subcommand is required"),
+    (["export", "a", "--walls", "foo", "--out", "b.feb"], "foo not in {displacement,force}"),
+])
+def test_a_mistyped_word_is_named_with_what_is_allowed(words, sentence, out):
+    fails_cleanly(run_palpate(*words), out, 2, sentence)
+
+
 def test_an_unknown_linear_solver_is_a_usage_error(phantom, out):
     finished = run_palpate(*recover_arguments(phantom, out, "--linear-solver", "magic"))
     fails_cleanly(finished, out, 2, "--linear-solver", "magic", "multigrid", "direct")

@@ -330,6 +330,45 @@ TEST(ExtractSurfaces, AnOrganTooSmallForTheEdgeLengthIsRefused) {
     EXPECT_NO_THROW(extract(image, fine));
 }
 
+TEST(ExtractSurfacesFinely, ShortensTheEdgesForASmallOrganAndSaysWhy) {
+    const RegionImage image = voxelised(grid_around({0, 0, 0}, 30, {1, 1, 1}),
+                                        [](const Vec3& x) { return x.norm() < 2.5 ? 2 : 1; });
+    const LabelField field(image, 3);
+    SurfaceOptions options;
+    std::string reason;
+    const RegionSurface surface = extract_surfaces_finely(image, field, options, &reason);
+    EXPECT_GT(surface.num_triangles(), 0);
+    EXPECT_LT(options.edge_length_mm, SurfaceOptions{}.edge_length_mm);
+    EXPECT_GE(options.edge_length_mm, 1) << "no less than a voxel";
+    EXPECT_NE(reason.find("egion 2"), std::string::npos) << reason;
+}
+
+TEST(ExtractSurfacesFinely, ChangesNothingWhereTheFirstEdgesDo) {
+    const RegionImage image = sphere();
+    SurfaceOptions options;
+    std::string reason;
+    const RegionSurface surface =
+        extract_surfaces_finely(image, LabelField(image, 3), options, &reason);
+    EXPECT_EQ(surface.triangles, extract(image).surface.triangles);
+    EXPECT_EQ(options.edge_length_mm, SurfaceOptions{}.edge_length_mm);
+    EXPECT_EQ(options.volume_tolerance, SurfaceOptions{}.volume_tolerance);
+    EXPECT_EQ(reason, "");
+}
+
+TEST(ExtractSurfacesFinely, ThrowsTheFirstErrorWhereNothingHelps) {
+    const RegionImage image = voxelised(grid_around({0, 0, 0}, 30, {1, 1, 1}),
+                                        [](const Vec3& x) { return x.norm() < 0.9 ? 2 : 1; });
+    SurfaceOptions options;
+    try {
+        extract_surfaces_finely(image, LabelField(image, 3), options);
+        FAIL() << "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input_unusable);
+        EXPECT_NE(std::string(error.what()).find("edge length of 3 mm"), std::string::npos)
+            << error.what();
+    }
+}
+
 TEST(ExtractSurfaces, AnOrganThinnerThanTheEdgesIsRefusedWithItsName) {
     const RegionImage image = voxelised(grid_around({0, 0, 0}, 40, {1, 1, 1}), [](const Vec3& x) {
         return std::abs(x[2] - 0.5) < 0.4 && x.norm() < 15 ? 2 : 1;
