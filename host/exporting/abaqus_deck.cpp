@@ -12,7 +12,7 @@ namespace {
 
 using Out = TextOut;
 
-void add_mesh(const RecoveredModel& model, Out& out) {
+void add_nodes_and_elements(const RecoveredModel& model, Out& out) {
     add(out, "*NODE, NSET=ALL\n");
     for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
         const Vec3& x = model.mesh.nodes[n];
@@ -73,7 +73,7 @@ std::string abaqus_deck(const RecoveredModel& model, WallLoad load) {
     }
     Out out;
     add(out, "*HEADING\nRecovered by palpate {}. Units: mm, MPa, N. Axes: LPS.\n", model.version);
-    add_mesh(model, out);
+    add_nodes_and_elements(model, out);
     add_set("FIXED", model.nodes_that_are(Held::fixed), out);
     add_set("DRIVEN", model.nodes_that_are(Held::driven), out);
     for (const ModelRegion& region : model.regions) add_material(region, out);

@@ -53,7 +53,7 @@ void add_node_set(const char* name, const std::vector<Index>& nodes, Out& out) {
     add(out, "</NodeSet>\n");
 }
 
-void add_mesh(const RecoveredModel& model, Out& out) {
+void add_mesh_section(const RecoveredModel& model, Out& out) {
     add(out, "  <Mesh>\n    <Nodes name=\"nodes\">\n");
     for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
         const Vec3& x = model.mesh.nodes[n];
@@ -141,7 +141,7 @@ std::string febio_model(const RecoveredModel& model, WallLoad load) {
     add(out, "  <!-- Recovered by palpate {}. Units: mm, MPa, N. Axes: LPS. -->\n", model.version);
     add_control(out);
     add_materials(model, out);
-    add_mesh(model, out);
+    add_mesh_section(model, out);
     add_wall_data(model, load, out);
     add_boundary(model, load, out);
     add(out, R"(  <LoadData>

@@ -43,7 +43,7 @@ Written::DisplacementFieldType::Pointer itk_field(const Image<Vec3>& image) {
 }
 
 /// What the child finds before it knows how much memory the vectors need.
-struct Geometry {
+struct FieldGeometry {
     Index size[3];
     double origin[3], spacing[3], direction[9];  ///< direction by columns
 };
@@ -67,7 +67,7 @@ Read::DisplacementFieldType::ConstPointer field_in(const std::filesystem::path& 
 }
 
 /// Runs in the child.
-void read_geometry(const std::filesystem::path& path, Geometry& geometry) {
+void read_geometry(const std::filesystem::path& path, FieldGeometry& geometry) {
     const auto field = field_in(path);
     const auto region = field->GetBufferedRegion();
     std::vector<long long> sizes;
@@ -114,8 +114,8 @@ Image<Vec3> read_checked(const std::filesystem::path& path) {
     if (const auto why = why_unreadable(path)) detail::unreadable(*why);
     if (!is_transform_file(path)) detail::unreadable("a displacement transform is .h5 or .hdf5");
     const ReadingLimits limits = limits_of(path);
-    const SharedMemory head(sizeof(Geometry));
-    auto& geometry = *reinterpret_cast<Geometry*>(head.data());
+    const SharedMemory head(sizeof(FieldGeometry));
+    auto& geometry = *reinterpret_cast<FieldGeometry*>(head.data());
     run_in_child([&] { read_geometry(path, geometry); }, limits);
     Image<Vec3> image;
     image.grid.size = {geometry.size[0], geometry.size[1], geometry.size[2]};

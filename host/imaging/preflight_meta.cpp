@@ -11,7 +11,7 @@ namespace {
 using Fields = std::map<std::string, std::string>;
 
 /// The "Name = value" lines up to ElementDataFile; `end` receives where data inside the file begin.
-Fields fields_of(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
+Fields meta_fields(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
     const std::string text(bytes.begin(),
                            bytes.begin() + std::min<std::size_t>(bytes.size(), 1 << 16));
     Fields fields;
@@ -45,7 +45,7 @@ bool is_true(const std::string& text) {
     return !text.empty() && (text[0] == 'T' || text[0] == 't' || text[0] == '1');
 }
 
-std::size_t voxel_bytes(const std::string& type) {
+std::size_t meta_voxel_bytes(const std::string& type) {
     static const std::map<std::string, std::size_t> bytes_of{
         {"MET_CHAR", 1},  {"MET_UCHAR", 1},  {"MET_SHORT", 2},     {"MET_USHORT", 2},
         {"MET_INT", 4},   {"MET_UINT", 4},   {"MET_LONG", 4},      {"MET_ULONG", 4},
@@ -86,7 +86,7 @@ void check_fields(const Fields& fields) {
 }
 
 /// What says where the voxels lie and how they are stored, and nothing else.
-std::string clean_header(const Fields& fields) {
+std::string clean_meta_header(const Fields& fields) {
     std::string header = "ObjectType = Image\nBinaryData = True\nCompressedData = False\n";
     for (const char* name :
          {"NDims", "BinaryDataByteOrderMSB", "ElementByteOrderMSB", "TransformMatrix", "Rotation",
@@ -103,7 +103,7 @@ std::string clean_header(const Fields& fields) {
 CheckedVolume preflight_meta(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
                              bool detached) {
     std::size_t end = 0;
-    const Fields fields = fields_of(bytes, end);
+    const Fields fields = meta_fields(bytes, end);
     check_fields(fields);
     CheckedVolume volume;
     volume.format = VolumeFormat::meta;
@@ -113,13 +113,13 @@ CheckedVolume preflight_meta(std::vector<std::uint8_t> bytes, const std::filesys
         unreadable("its header contradicts itself (NDims and DimSize)");
     }
     const std::size_t needed =
-        checked_num_voxels(sizes) * voxel_bytes(optional(fields, "ElementType"));
+        checked_num_voxels(sizes) * meta_voxel_bytes(optional(fields, "ElementType"));
     volume.size = {Index(sizes[0]), Index(sizes[1]), Index(sizes[2])};
     const bool compressed = is_true(optional(fields, "CompressedData"));
     const std::string data_name = optional(fields, "ElementDataFile");
     const auto take = [&](std::span<const std::uint8_t> data) {
         volume.file =
-            joined("volume.mha", clean_header(fields), checked_data(data, compressed, needed));
+            joined("volume.mha", clean_meta_header(fields), checked_data(data, compressed, needed));
         return volume;
     };
     if (data_name == "LOCAL" || data_name == "Local" || data_name == "local") {

@@ -12,7 +12,7 @@ namespace {
 using Fields = std::map<std::string, std::string>;
 
 /// The "field: value" lines up to the first blank line; `end` receives where the data begin.
-Fields fields_of(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
+Fields nrrd_fields(const std::vector<std::uint8_t>& bytes, std::size_t& end) {
     const std::string text(bytes.begin(),
                            bytes.begin() + std::min<std::size_t>(bytes.size(), 1 << 20));
     if (text.rfind("NRRD000", 0) != 0) unreadable("it is not an NRRD file");
@@ -45,12 +45,12 @@ const std::string& required(const Fields& fields, const std::string& name) {
     return found->second;
 }
 
-std::string optional(const Fields& fields, const std::string& name, const std::string& other = "") {
+std::string either_of(const Fields& fields, const std::string& name, const std::string& other = "") {
     const auto found = fields.find(fields.count(name) ? name : other);
     return found == fields.end() ? "" : found->second;
 }
 
-std::size_t voxel_bytes(const std::string& type) {
+std::size_t nrrd_voxel_bytes(const std::string& type) {
     static const std::map<std::string, std::size_t> bytes_of = [] {
         std::map<std::string, std::size_t> result;
         for (const char* name :
@@ -77,13 +77,13 @@ std::size_t voxel_bytes(const std::string& type) {
 }
 
 void check_space(const Fields& fields) {
-    std::istringstream kinds(optional(fields, "kinds"));
+    std::istringstream kinds(either_of(fields, "kinds"));
     for (std::string kind; kinds >> kind;) {
         if (kind != "domain" && kind != "space" && kind != "none" && kind != "???") {
             unusable("an axis of it is of kind '" + kind + "', not space");
         }
     }
-    std::istringstream units(optional(fields, "space units", "units"));
+    std::istringstream units(either_of(fields, "space units", "units"));
     for (std::string unit; units >> unit;) {
         std::erase(unit, '"');
         if (!unit.empty() && unit != "mm" && unit != "millimeter" && unit != "millimetre") {
@@ -91,7 +91,7 @@ void check_space(const Fields& fields) {
         }
     }
     for (const char* name : {"space directions", "space origin", "spacings"}) {
-        std::string numbers = optional(fields, name);
+        std::string numbers = either_of(fields, name);
         std::replace_if(
             numbers.begin(), numbers.end(), [](char c) { return c == '(' || c == ')' || c == ','; },
             ' ');
@@ -102,7 +102,7 @@ void check_space(const Fields& fields) {
         }
     }
     for (const char* name : {"byte skip", "byteskip", "line skip", "lineskip"}) {
-        const std::string skip = optional(fields, name);
+        const std::string skip = either_of(fields, name);
         if (!skip.empty() && skip != "0") {
             unreadable(std::string("its header uses '") + name + "', which is not supported");
         }
@@ -110,13 +110,13 @@ void check_space(const Fields& fields) {
 }
 
 /// What says where the voxels lie and how they are stored, and nothing else.
-std::string clean_header(const Fields& fields) {
+std::string clean_nrrd_header(const Fields& fields) {
     std::string header = "NRRD0004\n";
     for (const char* name :
          {"type", "dimension", "space", "space dimension", "sizes", "space directions", "spacings",
           "axis mins", "axismins", "axis maxs", "axismaxs", "centers", "centerings", "kinds",
           "endian", "space origin"}) {
-        const std::string value = optional(fields, name);
+        const std::string value = either_of(fields, name);
         if (!value.empty()) header += std::string(name) + ": " + value + "\n";
     }
     return header + "encoding: raw\n\n";
@@ -127,7 +127,7 @@ std::string clean_header(const Fields& fields) {
 CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesystem::path& folder,
                              bool detached) {
     std::size_t end = 0;
-    const Fields fields = fields_of(bytes, end);
+    const Fields fields = nrrd_fields(bytes, end);
     CheckedVolume volume;
     volume.format = VolumeFormat::nrrd;
     const std::vector<long long> dimension = whole_numbers(required(fields, "dimension"));
@@ -135,7 +135,7 @@ CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesys
     if (dimension.size() != 1 || dimension[0] != static_cast<long long>(sizes.size())) {
         unreadable("its header contradicts itself (dimension and sizes)");
     }
-    const std::size_t needed = checked_num_voxels(sizes) * voxel_bytes(required(fields, "type"));
+    const std::size_t needed = checked_num_voxels(sizes) * nrrd_voxel_bytes(required(fields, "type"));
     volume.size = {Index(sizes[0]), Index(sizes[1]), Index(sizes[2])};
     check_space(fields);
     const std::string encoding = required(fields, "encoding");
@@ -145,10 +145,10 @@ CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesys
     }
     const auto take = [&](std::span<const std::uint8_t> data) {
         volume.file =
-            joined("volume.nrrd", clean_header(fields), checked_data(data, compressed, needed));
+            joined("volume.nrrd", clean_nrrd_header(fields), checked_data(data, compressed, needed));
         return volume;
     };
-    const std::string data_name = optional(fields, "data file", "datafile");
+    const std::string data_name = either_of(fields, "data file", "datafile");
     if (data_name.empty()) {
         if (detached) unreadable("its header names no data file");
         return take(std::span(bytes).subspan(end));

@@ -37,7 +37,7 @@ struct Descent {
     std::exception_ptr failure;
 };
 
-double call_back(unsigned n, const double* x, double*, void* data) {
+double evaluate_trial(unsigned n, const double* x, double*, void* data) {
     auto& descent = *static_cast<Descent*>(data);
     try {
         descent.trials.push_back(descent.evaluate(Eigen::Map<const Eigen::VectorXd>(x, n)));
@@ -63,7 +63,7 @@ std::vector<RatioTrial> go_down(const RatioEvaluation& evaluate, const Eigen::Ve
     nlopt_set_initial_step1(optimiser.get(), options.first_step);
     nlopt_set_xtol_abs1(optimiser.get(), options.tolerance);
     nlopt_set_maxeval(optimiser.get(), options.max_evaluations);
-    nlopt_set_min_objective(optimiser.get(), call_back, &descent);
+    nlopt_set_min_objective(optimiser.get(), evaluate_trial, &descent);
     Eigen::VectorXd ratios = start;
     double lowest = 0;
     // However it ends, the trials made until then count.

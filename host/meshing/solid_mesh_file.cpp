@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/meshing/mesh_file_errors.hpp"
 #include "host/meshing/vtk_grid.hpp"
 #include "solver/base/error.hpp"
 
@@ -20,15 +21,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void unreadable(const fs::path& path, const std::string& why) {
-    throw Error(ErrorCode::input_unreadable,
-                "cannot read the mesh '" + path.string() + "': " + why);
-}
-[[noreturn]] void unusable(const fs::path& path, const std::string& why) {
-    throw Error(ErrorCode::input_unusable,
-                "the mesh '" + path.string() + "' cannot be used: " + why);
-}
 
 /// One kind of cell that is an element. VTK numbers the nodes as `ElementTable` does.
 struct CellKind {
@@ -76,15 +68,15 @@ std::vector<vtkIdType> element_cells(const fs::path& path, vtkUnstructuredGrid& 
         if (is_lower_cell(vtk_type, dimension)) continue;
         const CellKind* kind = kind_of_cell(vtk_type);
         if (!kind || element_table(kind->type).dimension != dimension)
-            unusable(path, "it holds cells of VTK type " + std::to_string(vtk_type) +
+            unusable_mesh(path, "it holds cells of VTK type " + std::to_string(vtk_type) +
                                "; this formulation takes " + wanted);
         if (!cells.empty() && kind->type != type)
-            unusable(path, "it mixes " + element_table(type).name + " and " +
+            unusable_mesh(path, "it mixes " + element_table(type).name + " and " +
                                element_table(kind->type).name + "; give elements of one kind");
         type = kind->type;
         cells.push_back(c);
     }
-    if (cells.empty()) unusable(path, "it holds no " + wanted);
+    if (cells.empty()) unusable_mesh(path, "it holds no " + wanted);
     return cells;
 }
 
@@ -98,16 +90,16 @@ std::vector<vtkIdType> take_elements(const fs::path& path, vtkUnstructuredGrid& 
         vtkIdType size = 0;
         const vtkIdType* nodes = nullptr;
         grid.GetCellPoints(c, size, nodes);
-        if (size != mesh.table().num_nodes) unreadable(path, "an element lacks nodes");
+        if (size != mesh.table().num_nodes) unreadable_mesh(path, "an element lacks nodes");
         for (vtkIdType k = 0; k < size; ++k) {
-            if (nodes[k] < 0 || nodes[k] >= num_points) unreadable(path, "a node is out of range");
+            if (nodes[k] < 0 || nodes[k] >= num_points) unreadable_mesh(path, "a node is out of range");
             Index& node = number[static_cast<std::size_t>(nodes[k])];
             if (node < 0) {
                 node = mesh.num_nodes();
                 kept.push_back(nodes[k]);
                 mesh.nodes.emplace_back();
                 grid.GetPoint(nodes[k], mesh.nodes.back().data());
-                if (!mesh.nodes.back().allFinite()) unreadable(path, "a node is not finite");
+                if (!mesh.nodes.back().allFinite()) unreadable_mesh(path, "a node is not finite");
             }
             mesh.elements.push_back(node);
         }
@@ -147,11 +139,11 @@ void take_labels(const fs::path& path, vtkUnstructuredGrid& grid,
     vtkDataArray* array = grid.GetCellData()->GetArray(name.c_str());
     if (!array || array->GetNumberOfComponents() != 1 ||
         array->GetNumberOfTuples() < grid.GetNumberOfCells())
-        unusable(path, "it has no cell array '" + name + "' with one label per cell");
+        unusable_mesh(path, "it has no cell array '" + name + "' with one label per cell");
     for (const vtkIdType cell : cells) {
         const double value = array->GetComponent(cell, 0);
         if (!(value >= 0 && value <= 65535) || value != std::floor(value))
-            unusable(path, "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
+            unusable_mesh(path, "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
         mesh.region.push_back(static_cast<Index>(value));
     }
 }

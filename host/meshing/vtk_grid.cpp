@@ -21,6 +21,7 @@
 
 #include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
+#include "host/meshing/mesh_file_errors.hpp"
 #include "host/surfaces/vtk_cells.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
@@ -29,11 +30,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void unreadable(const fs::path& path, const std::string& why) {
-    throw Error(ErrorCode::input_unreadable,
-                "cannot read the mesh '" + path.string() + "': " + why);
-}
 
 template <typename Reader>
 vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
@@ -48,15 +44,15 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
     try {
         reader->Update();
     } catch (const std::exception& error) {  // sizes in damaged files
-        unreadable(path, error.what());
+        unreadable_mesh(path, error.what());
     }
     vtkSmartPointer<vtkUnstructuredGrid> grid = reader->GetOutput();
-    if (messages.any()) unreadable(path, "it is damaged: " + messages.last());
+    if (messages.any()) unreadable_mesh(path, "it is damaged: " + messages.last());
     if (!grid || grid->GetNumberOfPoints() == 0 || !grid->GetPoints())
-        unreadable(path, "it holds no points");
+        unreadable_mesh(path, "it holds no points");
     if (!grid->GetCells()) return grid;  // points only
     if (const auto why = why_unsafe(*grid->GetCells(), grid->GetNumberOfPoints()))
-        unreadable(path, *why);
+        unreadable_mesh(path, *why);
     return grid;
 }
 
@@ -71,14 +67,14 @@ void check_numbers_of_types(const fs::path& path) {
         if (line.starts_with("OFFSETS ")) --num_cells;
     }
     if (num_cells >= 0 && num_types >= 0 && num_cells != num_types)
-        unreadable(path,
+        unreadable_mesh(path,
                    fmt::format("it has {} cells but {} types of cells", num_cells, num_types));
 }
 
 }  // namespace
 
 vtkSmartPointer<vtkUnstructuredGrid> read_vtk_grid(const fs::path& path) {
-    if (const auto why = why_unreadable(path)) unreadable(path, *why);
+    if (const auto why = why_unreadable(path)) unreadable_mesh(path, *why);
     const std::string extension = path.extension().string();
     if (extension == ".vtu")
         return read_rehearsed(path, [&] { return run_reader<vtkXMLUnstructuredGridReader>(path); });
@@ -86,7 +82,7 @@ vtkSmartPointer<vtkUnstructuredGrid> read_vtk_grid(const fs::path& path) {
         check_numbers_of_types(path);
         return read_rehearsed(path, [&] { return run_reader<vtkUnstructuredGridReader>(path); });
     }
-    unreadable(path, "its name must end in .vtu or .vtk");
+    unreadable_mesh(path, "its name must end in .vtu or .vtk");
 }
 
 void write_vtk_grid(const fs::path& path, vtkUnstructuredGrid& grid) {

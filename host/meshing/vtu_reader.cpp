@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "host/meshing/io.hpp"
+#include "host/meshing/mesh_file_errors.hpp"
 #include "host/meshing/vtk_grid.hpp"
 #include "solver/base/error.hpp"
 
@@ -17,15 +18,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void unreadable(const fs::path& path, const std::string& why) {
-    throw Error(ErrorCode::input_unreadable,
-                "cannot read the mesh '" + path.string() + "': " + why);
-}
-[[noreturn]] void unusable(const fs::path& path, const std::string& why) {
-    throw Error(ErrorCode::input_unusable,
-                "the mesh '" + path.string() + "' cannot be used: " + why);
-}
 
 /// What was kept of a file: numbers of its points and cells.
 struct Kept {
@@ -41,14 +33,14 @@ void take_tets(const fs::path& path, vtkUnstructuredGrid& grid, Mesh& mesh, Kept
         const int type = grid.GetCellType(c);
         if (type != VTK_TETRA) {
             if (type == VTK_VERTEX || type == VTK_LINE || type == VTK_TRIANGLE) continue;
-            unusable(path, "it holds cells of VTK type " + std::to_string(type) +
+            unusable_mesh(path, "it holds cells of VTK type " + std::to_string(type) +
                                "; only linear tetrahedra are taken");
         }
         grid.GetCellPoints(c, size, nodes);
-        if (size != 4) unreadable(path, "a tetrahedron does not have 4 nodes");
+        if (size != 4) unreadable_mesh(path, "a tetrahedron does not have 4 nodes");
         Tet tet{};
         for (int k = 0; k < 4; ++k) {
-            if (nodes[k] < 0 || nodes[k] >= num_points) unreadable(path, "a node is out of range");
+            if (nodes[k] < 0 || nodes[k] >= num_points) unreadable_mesh(path, "a node is out of range");
             Index& n = number[static_cast<std::size_t>(nodes[k])];
             if (n < 0) n = 0;
             tet[k] = static_cast<Index>(nodes[k]);
@@ -56,14 +48,14 @@ void take_tets(const fs::path& path, vtkUnstructuredGrid& grid, Mesh& mesh, Kept
         mesh.tets.push_back(tet);
         kept.cells.push_back(c);
     }
-    if (mesh.tets.empty()) unusable(path, "it holds no tetrahedra");
+    if (mesh.tets.empty()) unusable_mesh(path, "it holds no tetrahedra");
     for (vtkIdType p = 0; p < num_points; ++p) {
         if (number[static_cast<std::size_t>(p)] < 0) continue;
         number[static_cast<std::size_t>(p)] = static_cast<Index>(kept.points.size());
         kept.points.push_back(p);
         Vec3 point;
         grid.GetPoint(p, point.data());
-        if (!point.allFinite()) unreadable(path, "a node is not finite");
+        if (!point.allFinite()) unreadable_mesh(path, "a node is not finite");
         mesh.nodes.push_back(point);
     }
     for (Tet& tet : mesh.tets)
@@ -74,7 +66,7 @@ void turn_inverted(const fs::path& path, Mesh& mesh) {
     for (Index t = 0; t < mesh.num_tets(); ++t) {
         const double volume = tet_volume(mesh, t);
         if (volume < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
-        if (!(volume != 0)) unusable(path, "tetrahedron " + std::to_string(t) + " is flat");
+        if (!(volume != 0)) unusable_mesh(path, "tetrahedron " + std::to_string(t) + " is flat");
     }
 }
 
@@ -82,13 +74,13 @@ void take_regions(const fs::path& path, vtkUnstructuredGrid& grid, const std::st
                   Mesh& mesh, const Kept& kept) {
     vtkDataArray* array = grid.GetCellData()->GetArray(name.c_str());
     if (!array)
-        unusable(path, "it has no cell array '" + name + "' that holds the label of each cell");
+        unusable_mesh(path, "it has no cell array '" + name + "' that holds the label of each cell");
     if (array->GetNumberOfComponents() != 1 || array->GetNumberOfTuples() < grid.GetNumberOfCells())
-        unusable(path, "its cell array '" + name + "' does not hold one number per cell");
+        unusable_mesh(path, "its cell array '" + name + "' does not hold one number per cell");
     for (vtkIdType cell : kept.cells) {
         const double value = array->GetComponent(cell, 0);
         if (!(value >= 0 && value <= 65535) || value != std::floor(value))
-            unusable(path, "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
+            unusable_mesh(path, "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
         mesh.region.push_back(static_cast<Index>(value));
     }
 }

@@ -16,21 +16,21 @@ namespace {
 /// The faces of a positively oriented tet, counter-clockwise seen from outside.
 constexpr int tet_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
-struct Face {
+struct TetFace {
     Triangle nodes{};  ///< as seen from the first tet
     Index back = -1;   ///< region of the first tet
     Index front = -1;  ///< region of the second tet, -1: none
 };
 
-std::map<Triangle, Face> faces_of(const Mesh& mesh) {
-    std::map<Triangle, Face> faces;
+std::map<Triangle, TetFace> faces_of(const Mesh& mesh) {
+    std::map<Triangle, TetFace> faces;
     for (Index t = 0; t < mesh.num_tets(); ++t) {
         for (const auto& corner : tet_faces) {
             const Triangle nodes{mesh.tets[t][corner[0]], mesh.tets[t][corner[1]],
                                  mesh.tets[t][corner[2]]};
             Triangle key = nodes;
             std::sort(key.begin(), key.end());
-            auto [place, is_new] = faces.try_emplace(key, Face{nodes, mesh.region[t], -1});
+            auto [place, is_new] = faces.try_emplace(key, TetFace{nodes, mesh.region[t], -1});
             if (!is_new) place->second.front = mesh.region[t];
         }
     }

@@ -12,6 +12,7 @@
 #include "host/inverse/uncertainty.hpp"
 #include "host/pipeline/recover.hpp"
 #include "solver/base/error.hpp"
+#include "solver/model/node_rows.hpp"
 
 namespace palpate {
 namespace {
@@ -32,13 +33,6 @@ constexpr double finer_tolerance = 0.2;
 constexpr double smallest_step = 0.02;
 
 /// [3 nodes] of a displacement [3 num_nodes].
-Eigen::VectorXd at_nodes(const Eigen::VectorXd& displacement, const std::vector<Index>& nodes) {
-    Eigen::VectorXd part(3 * nodes.size());
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-        part.segment<3>(3 * k) = displacement.segment<3>(3 * nodes[k]);
-    return part;
-}
-
 /// Root mean square of what is independent from point to point, as it is assumed at first.
 double mean_noise_mm(const SurfaceObservations& observations) {
     double sum = 0;

@@ -13,6 +13,7 @@
 #include "host/objectives/surface_observations.hpp"
 #include "host/pipeline/observed_target.hpp"
 #include "solver/base/error.hpp"
+#include "solver/model/node_rows.hpp"
 
 namespace palpate {
 namespace {
@@ -62,15 +63,6 @@ void check_anything_seen(const SurfaceObservations& observations, const Recovery
     throw Error(ErrorCode::input_unusable,
                 "the target shows nothing of any organ's surface: no point of the reference lies "
                 "over it and faces as it does; check its frame, or give --initial-transform");
-}
-
-/// The wall and surface motion of a full displacement: [3 nodes.size()] mm.
-Eigen::VectorXd at_nodes(const Eigen::VectorXd& displacement, const std::vector<Index>& nodes) {
-    Eigen::VectorXd part(3 * static_cast<Index>(nodes.size()));
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        part.segment<3>(3 * static_cast<Index>(k)) = displacement.segment<3>(3 * nodes[k]);
-    }
-    return part;
 }
 
 /// What the published method finds, without covariance, intervals or profiles.

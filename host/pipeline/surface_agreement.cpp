@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_seen = std::numeric_limits<double>::quiet_NaN();
 
 /// Distances at the vertices of a surface, with the area that each stands for.
 struct Sampled {
@@ -29,10 +29,10 @@ struct Sampled {
     double mean() const {
         double sum = 0;
         for (std::size_t v = 0; v < mm.size(); ++v) sum += seen[v] ? area[v] * std::abs(mm[v]) : 0;
-        return seen_area() > 0 ? sum / seen_area() : not_known;
+        return seen_area() > 0 ? sum / seen_area() : not_seen;
     }
     double largest() const {
-        double found = not_known;
+        double found = not_seen;
         for (std::size_t v = 0; v < mm.size(); ++v)
             if (seen[v]) found = std::fmax(found, std::abs(mm[v]));
         return found;
@@ -42,7 +42,7 @@ struct Sampled {
         std::vector<std::size_t> order;
         for (std::size_t v = 0; v < mm.size(); ++v)
             if (seen[v] && area[v] > 0) order.push_back(v);
-        if (order.empty()) return not_known;
+        if (order.empty()) return not_seen;
         std::ranges::sort(order, {}, [&](std::size_t v) { return std::abs(mm[v]); });
         double left = share * seen_area();
         for (const std::size_t v : order) {
@@ -85,7 +85,7 @@ void measure_agreement(const Recovered& found, std::size_t s, const TargetState&
     const std::size_t count = observed.node_of.size();
     const TargetShape* shape = found.target[s].get();
     const auto area = vertex_areas(observed.surface);
-    Sampled before{std::vector(count, not_known), area, std::vector<std::uint8_t>(count, 0)};
+    Sampled before{std::vector(count, not_seen), area, std::vector<std::uint8_t>(count, 0)};
     Sampled after = before;
     const auto normals = vertex_normals(observed.surface);
     for (std::size_t v = 0; shape && v < count; ++v) {

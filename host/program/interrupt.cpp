@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr int patience_ms = 1300;      // for the work to unwind
 constexpr int last_patience_ms = 600;  // for the exit handlers of libraries
-constexpr const char* last_words =
+constexpr const char* interrupted =
     "stopped by a signal (Ctrl-C or SIGTERM); nothing half-written is left";
 
 // A signal handler has no other way to be told anything: all state of this file.
@@ -86,7 +86,7 @@ void hold_threads_that_abort() { std::signal(SIGABRT, hold_still); }
 void watch() {
     wait_for_signal(-1);
     wait_for_signal(patience_ms);
-    end_from_outside(Error(ErrorCode::cancelled, last_words));
+    end_from_outside(Error(ErrorCode::cancelled, interrupted));
 }
 
 void catch_one(int signal) {
@@ -115,7 +115,7 @@ const std::string& program_name() { return told_name(); }
 bool is_interrupted() { return num_signals > 0; }
 
 void throw_if_interrupted() {
-    if (is_interrupted()) throw Error(ErrorCode::cancelled, last_words);
+    if (is_interrupted()) throw Error(ErrorCode::cancelled, interrupted);
 }
 
 void will_write(const fs::path& path) {

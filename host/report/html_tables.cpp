@@ -27,7 +27,7 @@ std::string swatch(const RecoveryResult& result, Index region) {
                        region_colour(result, region));
 }
 
-std::string interval_text(const RegionResult& r) {
+std::string interval_cell(const RegionResult& r) {
     return significant(r.interval_kpa[0]) + " – " + significant(r.interval_kpa[1]);
 }
 
@@ -51,7 +51,7 @@ std::string finding_card(const RecoveryResult& result, const RegionResult& r) {
     else
         out +=
             fmt::format("<p class='value'>{} <small>kPa</small></p><p>95 % interval {} kPa</p>{}",
-                        significant(r.stiffness_kpa), interval_text(r), ratio_text(result, r));
+                        significant(r.stiffness_kpa), interval_cell(r), ratio_text(result, r));
     return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", chip(r.verdict),
                              escape_html(r.reason));
 }
@@ -220,7 +220,7 @@ std::string regions_table_html(const RecoveryResult& result) {
             "</td><td class='num'>{}</td><td class='num'>{}</td><td>{}</td></tr>",
             swatch(result, r.region), escape_html(r.name), r.label,
             escape_html(r.role + (r.hollow ? ", hollow" : "")),
-            r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_text(r) : "–",
+            r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_cell(r) : "–",
             ratio_cell(r), chip(r.verdict));
     return out + "</tbody></table></div>" + deformation_table(result);
 }

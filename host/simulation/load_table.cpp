@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_rows = 100000;
-constexpr std::uintmax_t largest_file_bytes = 16 << 20;
+constexpr std::uintmax_t largest_table_bytes = 16 << 20;
 constexpr std::string_view time_column = "time_s";
 
 [[noreturn]] void refuse_line(const std::string& file, std::size_t line, const std::string& why) {
@@ -96,7 +96,7 @@ LoadTable read_file(const SettingsTable& table, const fs::path& folder) {
     if (const auto why = why_unreadable(path))
         table.refuse("file", fmt::format("it cannot be read because {}; check the path", *why));
     std::error_code failed;
-    if (fs::file_size(path, failed) > largest_file_bytes)
+    if (fs::file_size(path, failed) > largest_table_bytes)
         table.refuse("file", "it is larger than 16 MiB; give fewer rows");
     std::ifstream in(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};

@@ -36,7 +36,7 @@ namespace {
 namespace fs = std::filesystem;
 using PolyData = vtkSmartPointer<vtkPolyData>;
 
-constexpr std::size_t least_points = 8;
+constexpr std::size_t least_read_points = 8;
 
 [[noreturn]] void unreadable(const fs::path& path, const std::string& why) {
     throw Error(ErrorCode::input_unreadable,
@@ -162,9 +162,9 @@ std::vector<Vec3> read_points(const fs::path& path, Frame frame) {
         unreadable(path, "points come from .csv, .txt, .xyz, .vtp, .vtk or .ply");
     }
     check_finite(points, path);
-    if (points.size() < least_points) {
+    if (points.size() < least_read_points) {
         unusable(path, fmt::format("it holds {} points, at least {} are needed to see a surface",
-                                   points.size(), least_points));
+                                   points.size(), least_read_points));
     }
     turn_to_lps(points, frame);
     return points;

@@ -9,6 +9,7 @@
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/condense/region_mechanics.hpp"
+#include "solver/model/node_rows.hpp"
 
 namespace palpate {
 namespace {
@@ -297,14 +298,6 @@ std::vector<CondensedRegion> condense_regions(
     return result;
 }
 
-/// [3 num_nodes] of the region's own nodes.
-Eigen::VectorXd part_of(const Eigen::VectorXd& displacement, const SubModel& sub) {
-    Eigen::VectorXd part(3 * sub.nodes.size());
-    for (std::size_t n = 0; n < sub.nodes.size(); ++n)
-        part.segment<3>(3 * n) = displacement.segment<3>(3 * sub.nodes[n]);
-    return part;
-}
-
 void check_state(const DeformedState& state, const Model& model) {
     if (state.displacement.size() != model.num_dofs())
         throw Error(ErrorCode::invalid_argument,
@@ -333,7 +326,7 @@ std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model
                                          const ProgressSink& progress) {
     check_state(state, model);
     const auto tangent = [&](const SubModel& sub, const LinearSolverOptions& solver) {
-        return make_tangent_region(sub.model, state.law, part_of(state.displacement, sub), solver);
+        return make_tangent_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes), solver);
     };
     return condense_regions(model, observed, driven, tangent, options, summary, progress);
 }
@@ -344,7 +337,7 @@ std::vector<CondensedRegion> region_forces(const DeformedState& state, const Mod
     check_state(state, model);
     std::vector<CondensedRegion> result;
     for (SubModel& sub : observed_regions(model, observed, driven)) {
-        set_force(sub, force_of_region(sub.model, state.law, part_of(state.displacement, sub)));
+        set_force(sub, force_of_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes)));
         result.push_back(std::move(sub.block));
     }
     return result;

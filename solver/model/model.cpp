@@ -4,15 +4,11 @@
 
 #include <cmath>
 
-#include "solver/base/error.hpp"
 #include "solver/mesh/spatial_order.hpp"
+#include "solver/model/refuse.hpp"
 
 namespace palpate {
 namespace {
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 void check_sizes(const Model& model) {
     const Mesh& mesh = model.mesh;

@@ -8,16 +8,14 @@
 #include <limits>
 #include <numbers>
 
-#include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
+#include "solver/model/refuse.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr Index elements_per_thread = 1000;
 constexpr std::array formulation_names{"solid", "plane-strain", "plane-stress", "axisymmetric"};
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::invalid_argument, why); }
 
 void check_elements(const SolidMesh& mesh) {
     const auto per_element = static_cast<std::size_t>(mesh.table().num_nodes);

@@ -4,13 +4,11 @@
 
 #include <cmath>
 
-#include "solver/base/error.hpp"
 #include "solver/materials/registry.hpp"
+#include "solver/model/refuse.hpp"
 
 namespace palpate {
 namespace {
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::invalid_argument, why); }
 
 bool is_on_axis(const SolidMesh& mesh, Index node) {
     return mesh.formulation == Formulation::axisymmetric && mesh.nodes[node].x() == 0;

@@ -7,14 +7,13 @@
 #include <utility>
 
 #include "solver/backends/opencl/device_blocks.hpp"
+#include "solver/backends/opencl/pass_size.hpp"
 #include "solver/materials/registry.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr std::size_t max_pass_columns = 16;  // columns whose element forces are held at a time
 constexpr int entries_at_a_time = 4;          // of H, in one vector of a CPU: 1 and 8 are slower
-constexpr std::size_t gathered_reals = 72;    // some 24 corners of 3 reals per node
 
 /// The numbers of the law's materials, [num_materials, LAW_COEFFICIENTS]; zeros for materials of
 /// other laws, which no element of the law has.

@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-constexpr Index rows_per_thread = 500;
+constexpr Index coarse_rows_per_thread = 500;
 constexpr int num_modes = 6;
 constexpr int lanczos_steps = 8;
 constexpr double eigenvalue_margin = 1.05;  ///< Ritz values of few steps come from below
@@ -91,7 +91,7 @@ double largest_eigenvalue(const BlockMatrix& matrix, std::span<const double> inv
     p = z;
     double rz = r.dot(z), alpha_before = 0, beta = 0;
     for (int step = 0; step < lanczos_steps && rz > 0; ++step) {
-        parallel_ranges(matrix.num_rows(), rows_per_thread, [&](Index first, Index last) {
+        parallel_ranges(matrix.num_rows(), coarse_rows_per_thread, [&](Index first, Index last) {
             multiply_block_rows(matrix, first, last, p.data(), q.data());
         });
         if (!held.empty())
@@ -348,7 +348,7 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
     MultigridLevel& level = levels_[l];
     const int b = matrix.block_rows;
     const auto in_parallel = [](Index rows, auto&& work) {
-        parallel_ranges(rows, rows_per_thread, work);
+        parallel_ranges(rows, coarse_rows_per_thread, work);
     };
     const std::span<const unsigned char> held =
         l == 0 ? std::span<const unsigned char>(held_) : std::span<const unsigned char>();
