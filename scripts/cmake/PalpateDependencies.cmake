@@ -45,8 +45,12 @@ if(PALPATE_BUILD_BENCH)
   find_package(benchmark REQUIRED)
 endif()
 
+# With relative paths every checkout finds what any other has compiled; the sloppiness is what ccache
+# asks for with precompiled headers, whose bytes it hashes all the same.
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
-  set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+  set(ccache_launcher env "CCACHE_BASEDIR=${CMAKE_SOURCE_DIR}"
+    "CCACHE_SLOPPINESS=pch_defines,time_macros" "${CCACHE_PROGRAM}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${ccache_launcher})
+  set(CMAKE_C_COMPILER_LAUNCHER ${ccache_launcher})
 endif()

@@ -15,7 +15,11 @@ if(PALPATE_SANITIZE)
 endif()
 # Eigen's dense algebra runs on BLAS everywhere: one definition of its templates in the whole program.
 target_compile_definitions(palpate_options INTERFACE EIGEN_USE_BLAS)
-target_link_libraries(palpate_options INTERFACE Eigen3::Eigen Threads::Threads BLAS::BLAS)
+target_link_libraries(palpate_options INTERFACE
+  Eigen3::Eigen Threads::Threads BLAS::BLAS fmt::fmt)
+# Layers go into libpalpate.so, too; programs are compiled alike to share precompiled headers.
+target_compile_options(palpate_options INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:-fPIC>")
+include(PalpateQuickBuild)
 
 # palpate_layer(<name> [SOURCES a.cpp ...] [LINKS target ...]): one folder, one target named
 # palpate_<name>. Without sources it is header only. Links are the layers it may include.
@@ -24,8 +28,7 @@ function(palpate_layer name)
   if(LAYER_SOURCES)
     add_library(palpate_${name} STATIC ${LAYER_SOURCES})
     target_link_libraries(palpate_${name} PUBLIC palpate_options ${LAYER_LINKS})
-    # All layers go into libpalpate.so, too.
-    set_target_properties(palpate_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    palpate_quick_build(palpate_${name} palpate_precompiled)
   else()
     add_library(palpate_${name} INTERFACE)
     target_link_libraries(palpate_${name} INTERFACE palpate_options ${LAYER_LINKS})
@@ -38,6 +41,7 @@ function(palpate_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE palpate_test_fixtures ${TEST_LINKS} GTest::gtest_main)
+  palpate_quick_build(${name} palpate_precompiled_tests)
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)
   endif()
