@@ -102,13 +102,16 @@ void read_vectors(const std::filesystem::path& path, std::size_t num_voxels, flo
     }
 }
 
-/// The checks of the file's size come before the child has read it, so its memory is bounded here.
+/// The checks of the file's size come before the child has read it, so its memory is bounded here,
+/// and its time: HDF5 goes round in circles in some damaged files.
 ReadingLimits limits_of(const std::filesystem::path& path) {
     std::error_code error;
-    const auto bytes = std::filesystem::file_size(path, error);
+    auto bytes = std::filesystem::file_size(path, error);
+    if (error) bytes = 0;
     ReadingLimits limits;
     constexpr std::size_t most_per_byte = 512;  // fields compress to a seventh and much less
     limits.memory_bytes = (std::size_t(1) << 30) + most_per_byte * static_cast<std::size_t>(bytes);
+    limits.seconds = 4 + static_cast<int>(bytes >> 20);  // ten times what good ones take
     return limits;
 }
 
