@@ -207,6 +207,19 @@ PALPATE_API const char* palpate_result_json(const palpate_result* result);
 /* The folder that the command line writes: report, volumes, meshes. It must not exist. */
 PALPATE_API palpate_status palpate_result_write(const palpate_result* result, const char* folder);
 
+/* How a result folder is written. */
+typedef struct palpate_write_options {
+    size_t struct_size;
+    const char* fields; /* displacement fields, rounded to 1/128 mm: "none", "one" (NIfTI, for each
+                           direction), "all" (ITK transforms, too); null: "one" */
+} palpate_write_options;
+PALPATE_API void palpate_write_options_init(palpate_write_options* options);
+
+/* The same with options; null for the defaults. Since palpate_abi_version() 2001. */
+PALPATE_API palpate_status palpate_result_write_with(const palpate_result* result,
+                                                     const char* folder,
+                                                     const palpate_write_options* options);
+
 /* ---- Phantoms: two segmentations whose answer is known -------------------------------------- */
 
 typedef struct palpate_phantom_options {

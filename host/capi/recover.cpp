@@ -212,10 +212,27 @@ const char* palpate_result_json(const palpate_result* result) {
 }
 
 palpate_status palpate_result_write(const palpate_result* result, const char* folder) {
+    return palpate_result_write_with(result, folder, nullptr);
+}
+
+void palpate_write_options_init(palpate_write_options* options) {
+    if (!options) return;
+    *options = {};
+    options->struct_size = sizeof *options;
+}
+
+palpate_status palpate_result_write_with(const palpate_result* result, const char* folder,
+                                         const palpate_write_options* options) {
     return guarded([&] {
         const auto held = hold(result, "the result");
         require(folder, "the path of the folder");
-        write_result(result->result, folder);
+        ResultOptions writing;
+        if (options) {
+            const auto chosen =
+                completed(options, palpate_write_options_init, "the options of writing");
+            if (chosen.fields) writing.fields = field_choice_of(chosen.fields);
+        }
+        write_result(result->result, folder, writing);
         return PALPATE_OK;
     });
 }

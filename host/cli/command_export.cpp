@@ -9,6 +9,8 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/exporting/write_model.hpp"
+#include "host/warping/field_files.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -16,14 +18,27 @@ namespace {
 struct ExportArguments {
     std::string result, out;
     WallLoad walls = WallLoad::displacement;
-    bool overwrite = false;
+    bool inverse = false, overwrite = false;
 };
 
 const std::map<std::string, WallLoad> wall_loads{{"displacement", WallLoad::displacement},
                                                  {"force", WallLoad::force}};
 
-int run_export(const ExportArguments& arguments) {
-    check_output_file(arguments.out, arguments.overwrite);
+int export_field(const ExportArguments& arguments) {
+    const Sense sense = arguments.inverse ? Sense::target_to_reference : Sense::reference_to_target;
+    const Image<Vec3> field = read_written_field(arguments.result, sense);
+    write_field(arguments.out, field);
+    const auto& size = field.grid.size;
+    fmt::print("{}: {} x {} x {} displacements in mm, LPS, {}\n", arguments.out, size[0], size[1],
+               size[2], arguments.inverse ? "target to reference" : "reference to target");
+    return 0;
+}
+
+int export_model(const ExportArguments& arguments) {
+    if (arguments.inverse)
+        throw Error(ErrorCode::invalid_argument,
+                    "--inverse belongs to displacement fields (.nii.gz, .h5); leave it out for a "
+                    "model");
     const RecoveredModel model = read_recovered_model(arguments.result);
     write_model(model, arguments.walls, arguments.out);
     fmt::print("{}: {} nodes, {} tetrahedra, {} regions, law {}\n", arguments.out,
@@ -32,16 +47,30 @@ int run_export(const ExportArguments& arguments) {
     return 0;
 }
 
+int run_export(const ExportArguments& arguments) {
+    check_output_file(arguments.out, arguments.overwrite);
+    return is_field_file(arguments.out) ? export_field(arguments) : export_model(arguments);
+}
+
 }  // namespace
 
 void add_export(CLI::App& app, Run& run) {
     auto arguments = std::make_shared<ExportArguments>();
     CLI::App* command = app.add_subcommand(
-        "export", "Write a recovered model for FEBio, CalculiX, Gmsh or ParaView");
-    command->add_option("result", arguments->result, "Result folder of `palpate recover`")
+        "export",
+        "Write a recovered model for FEBio, CalculiX, Gmsh or ParaView, or a displacement field in "
+        "the other format");
+    command
+        ->add_option("result", arguments->result,
+                     "Result folder of `palpate recover`; for .nii.gz and .h5 a displacement field "
+                     "will do")
         ->required();
-    command->add_option("--out", arguments->out, "File to write: .feb, .inp, .msh or .vtu")
+    command
+        ->add_option("--out", arguments->out,
+                     "File to write: .feb, .inp, .msh or .vtu (model), .nii.gz or .h5 (field)")
         ->required();
+    command->add_flag("--inverse", arguments->inverse,
+                      "The field from the target to the reference (.nii.gz, .h5)");
     command
         ->add_option("--walls", arguments->walls,
                      "What moves the driven organs' walls (.feb, .inp): displacement or force")

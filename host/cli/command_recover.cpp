@@ -25,7 +25,8 @@ struct RecoverArguments {
     std::string reference, config, out, mesh, transform, save_reduced, load_reduced;
     std::vector<std::string> targets;
     PartialTargetArguments partial;
-    std::string align = "auto", method = "map", material = name_of(TissueLaw::linear);
+    std::string align = "auto", method = "map", material = name_of(TissueLaw::linear),
+                fields = "one";
     SolverArguments solver;
     MesherArguments mesher;
     int max_iterations = MapOptions{}.max_iterations;
@@ -66,6 +67,7 @@ void write(const RecoverArguments& arguments, const RecoveryResult& result,
     ResultOptions writing;
     writing.overwrite = arguments.overwrite;
     writing.include_file_names = arguments.keep_file_names;
+    writing.fields = field_choice_of(arguments.fields);
     write_result(result, folder, writing);
 }
 
@@ -236,6 +238,12 @@ void add_recover(CLI::App& app, Run& run) {
         ->check(CLI::Range(0.1, 1e5));
     command->add_option("--max-iterations", arguments->max_iterations, "Of the search")
         ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command
+        ->add_option("--fields", arguments->fields,
+                     "Displacement fields in the result: none, one (NIfTI, for each direction), "
+                     "all (ITK transforms .h5, too)")
+        ->check(CLI::IsMember({"none", "one", "all"}))
         ->capture_default_str();
     command->add_flag("--keep-file-names", arguments->keep_file_names,
                       "Write the names of the input files into the result, and name the folders of "

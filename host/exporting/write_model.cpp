@@ -48,7 +48,7 @@ void write_model(const RecoveredModel& model, WallLoad load, const std::filesyst
     } else {
         throw Error(ErrorCode::unsupported,
                     fmt::format("cannot write '{}': a model is .feb (FEBio), .inp (CalculiX, "
-                                "Abaqus), .msh (Gmsh) or .vtu",
+                                "Abaqus), .msh (Gmsh) or .vtu, a displacement field .nii.gz or .h5",
                                 path.string()));
     }
     write_atomically(path, [&](const auto& file) { write_text_file(file, text); });

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "host/imaging/child_process.hpp"
+#include "host/imaging/displacement_steps.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/grid_check.hpp"
 #include "host/imaging/io.hpp"
@@ -37,7 +38,7 @@ Written::DisplacementFieldType::Pointer itk_field(const Image<Vec3>& image) {
     field->Allocate();
     auto* values = field->GetBufferPointer();
     for (std::size_t v = 0; v < image.voxels.size(); ++v) {
-        for (unsigned a = 0; a < 3; ++a) values[v][a] = static_cast<float>(image.voxels[v][a]);
+        for (unsigned a = 0; a < 3; ++a) values[v][a] = in_steps(image.voxels[v][a]);
     }
     return field;
 }
@@ -101,12 +102,16 @@ void read_vectors(const std::filesystem::path& path, std::size_t num_voxels, flo
     }
 }
 
-/// The checks of the file's size come before the child has read it, so its memory is bounded here.
+/// The checks of the file's size come before the child has read it, so its memory is bounded here,
+/// and its time: HDF5 goes round in circles in some damaged files.
 ReadingLimits limits_of(const std::filesystem::path& path) {
     std::error_code error;
-    const auto bytes = std::filesystem::file_size(path, error);
+    auto bytes = std::filesystem::file_size(path, error);
+    if (error) bytes = 0;
     ReadingLimits limits;
-    limits.memory_bytes = (std::size_t(1) << 30) + 64 * static_cast<std::size_t>(bytes);
+    constexpr std::size_t most_per_byte = 512;  // fields compress to a seventh and much less
+    limits.memory_bytes = (std::size_t(1) << 30) + most_per_byte * static_cast<std::size_t>(bytes);
+    limits.seconds = 4 + static_cast<int>(bytes >> 20);  // ten times what good ones take
     return limits;
 }
 
@@ -155,6 +160,7 @@ void write_displacement_transform(const std::filesystem::path& path, const Image
         throw Error(ErrorCode::unsupported, "cannot write '" + path.string() +
                                                 "': a displacement transform is .h5 or .hdf5");
     }
+    check_displacement(image);
     register_transform_formats();
     write_atomically(path, [&](const std::filesystem::path& temporary) {
         const auto transform = Written::New();
@@ -162,6 +168,7 @@ void write_displacement_transform(const std::filesystem::path& path, const Image
         const auto writer = itk::TransformFileWriterTemplate<float>::New();
         writer->SetFileName(temporary.string());
         writer->SetInput(transform);
+        writer->UseCompressionOn();
         write_in_child([&] { writer->Update(); }, 3 * sizeof(float) * image.voxels.size());
     });
 }

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/imaging/gzip.hpp"
 
+#include <libdeflate.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 
 #include "solver/base/error.hpp"
 
@@ -84,6 +86,18 @@ std::vector<std::uint8_t> inflated(std::span<const std::uint8_t> bytes, std::siz
     }
     if (out.size() > most) fail("it holds more data than its header announces");
     return out;
+}
+
+std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> bytes) {
+    constexpr int quickest = 1;
+    const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+        libdeflate_alloc_compressor(quickest), libdeflate_free_compressor);
+    if (!compressor) throw std::bad_alloc();
+    const std::size_t most = libdeflate_gzip_compress_bound(compressor.get(), bytes.size());
+    const auto out = std::make_unique_for_overwrite<std::uint8_t[]>(most);
+    const std::size_t size =
+        libdeflate_gzip_compress(compressor.get(), bytes.data(), bytes.size(), out.get(), most);
+    return {out.get(), out.get() + size};
 }
 
 }  // namespace palpate

@@ -20,4 +20,8 @@ std::vector<std::uint8_t> inflated_start(std::span<const std::uint8_t> bytes, st
 /// them).
 std::vector<std::uint8_t> inflated(std::span<const std::uint8_t> bytes, std::size_t most);
 
+/// One gzip member (some readers stop after the first) that holds `bytes`: not the smallest, but
+/// quick to make (some 200 MB/s).
+std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> bytes);
+
 }  // namespace palpate

@@ -38,8 +38,10 @@ void write_scalar_image(const std::filesystem::path& path, const Image<float>& i
 /// all or nothing. Throws Error(output_failed), Error(unsupported) for another ending.
 void write_label_image(const std::filesystem::path& path, const LabelImage& image);
 
-/// Writes a displacement field as a 5-D NIfTI with intent 1007 (vector). Components are LPS mm in
-/// memory and in ITK's convention on disk, [num_voxels].
+/// Writes a displacement field as a 5-D NIfTI with intent 1007 (vector), .nii or .nii.gz, all or
+/// nothing. Components are LPS mm in memory and in ITK's convention on disk, [num_voxels], single
+/// precision, rounded to 1/128 mm (displacement_steps.hpp; the field `descrip` says so).
+/// Throws Error(output_failed), Error(unsupported) for another ending.
 void write_vector_image(const std::filesystem::path& path, const Image<Vec3>& image);
 
 /// Reads what `write_vector_image` writes. Throws Error(input_unreadable), and
@@ -47,9 +49,9 @@ void write_vector_image(const std::filesystem::path& path, const Image<Vec3>& im
 /// axes mean.
 Image<Vec3> read_vector_image(const std::filesystem::path& path);
 
-/// The same field as an ITK transform of points, x -> x + u(x): ITK's HDF5 format (.h5, .hdf5),
-/// single precision, all or nothing. Not compressed: that takes as long as for NIfTI and makes the
-/// numbers of a real field a tenth shorter. Throws Error(output_failed), Error(unsupported).
+/// The same field, rounded in the same way, as an ITK transform of points, x -> x + u(x): ITK's
+/// HDF5 format (.h5, .hdf5), single precision, compressed (by ITK, some seven times as slowly as
+/// NIfTI), all or nothing. Throws Error(output_failed), Error(unsupported).
 void write_displacement_transform(const std::filesystem::path& path, const Image<Vec3>& image);
 
 /// Reads one displacement field of three dimensions, in a child process. Throws

@@ -1,37 +1,36 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "host/imaging/child_process.hpp"
+#include "host/imaging/displacement_steps.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
+#include "host/imaging/nifti_file.hpp"
 #include "host/imaging/preflight.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-itk::ImageIOBase::Pointer make_encoder(const std::filesystem::path& path) {
+VolumeFormat checked_format(const std::filesystem::path& path) {
     const auto format = format_of(path);
     const std::string ending = path.extension().string();
     if (!format || ending == ".mhd" || ending == ".nhdr") {
         throw Error(ErrorCode::unsupported,
                     "cannot write '" + path.string() + "': use .nii, .nii.gz, .nrrd or .mha");
     }
-    switch (*format) {
-        case VolumeFormat::nifti:
-            return itk::NiftiImageIO::New().GetPointer();
-        case VolumeFormat::nrrd:
-            return itk::NrrdImageIO::New().GetPointer();
-        case VolumeFormat::meta:
-            return itk::MetaImageIO::New().GetPointer();
-    }
-    throw Error(ErrorCode::internal, "a volume format without an encoder");
+    return *format;
+}
+
+itk::ImageIOBase::Pointer make_encoder(VolumeFormat format) {
+    if (format == VolumeFormat::nrrd) return itk::NrrdImageIO::New().GetPointer();
+    return itk::MetaImageIO::New().GetPointer();
 }
 
 void describe(itk::ImageIOBase& encoder, const ImageGrid& grid) {
@@ -60,18 +59,30 @@ itk::IOComponentEnum component_type() {
 }
 
 template <typename T>
+void write_nifti(const std::filesystem::path& path, const ImageGrid& grid,
+                 const std::vector<T>& values) {
+    constexpr NiftiNumbers kind = std::is_same_v<T, std::uint8_t>    ? NiftiNumbers::bytes
+                                  : std::is_same_v<T, std::uint16_t> ? NiftiNumbers::words
+                                                                     : NiftiNumbers::singles;
+    NiftiFile file(grid, kind);
+    std::copy(values.begin(), values.end(), file.numbers<T>());
+    file.write(path);
+}
+
+template <typename T>
 void write_volume(const std::filesystem::path& path, const ImageGrid& grid,
-                  const std::vector<T>& values, unsigned num_components) {
-    if (values.size() != grid.num_voxels() * num_components) {
+                  const std::vector<T>& values) {
+    if (values.size() != grid.num_voxels()) {
         throw Error(ErrorCode::invalid_argument,
                     "an image of " + std::to_string(grid.num_voxels()) + " voxels cannot have " +
                         std::to_string(values.size()) + " values");
     }
-    const itk::ImageIOBase::Pointer encoder = make_encoder(path);
+    const VolumeFormat format = checked_format(path);
+    if (format == VolumeFormat::nifti) return write_nifti(path, grid, values);
+    const itk::ImageIOBase::Pointer encoder = make_encoder(format);
     describe(*encoder, grid);
-    encoder->SetNumberOfComponents(num_components);
-    encoder->SetPixelType(num_components == 1 ? itk::IOPixelEnum::SCALAR
-                                              : itk::IOPixelEnum::VECTOR);
+    encoder->SetNumberOfComponents(1);
+    encoder->SetPixelType(itk::IOPixelEnum::SCALAR);
     encoder->SetComponentType(component_type<T>());
     encoder->SetUseCompression(true);
     write_atomically(path, [&](const std::filesystem::path& temporary) {
@@ -83,7 +94,7 @@ void write_volume(const std::filesystem::path& path, const ImageGrid& grid,
             },
             values.size() * sizeof(T));
         // The encoder does not notice a full disk; the check of a reader does.
-        num_components == 1 ? preflight(temporary) : preflight_vectors(temporary);
+        preflight(temporary);
     });
 }
 
@@ -94,14 +105,19 @@ void write_label_image(const std::filesystem::path& path, const LabelImage& imag
                                       [](std::uint16_t label) { return label < 256; });
     if (is_small) {
         const std::vector<std::uint8_t> bytes(image.voxels.begin(), image.voxels.end());
-        write_volume(path, image.grid, bytes, 1);
+        write_volume(path, image.grid, bytes);
     } else {
-        write_volume(path, image.grid, image.voxels, 1);
+        write_volume(path, image.grid, image.voxels);
     }
 }
 
 void write_scalar_image(const std::filesystem::path& path, const Image<float>& image) {
-    write_volume(path, image.grid, image.voxels, 1);
+    const auto is_finite = [](float value) { return std::isfinite(value); };
+    if (!std::all_of(image.voxels.begin(), image.voxels.end(), is_finite)) {
+        throw Error(ErrorCode::output_failed,
+                    "cannot write '" + path.string() + "': it has a voxel that is not finite");
+    }
+    write_volume(path, image.grid, image.voxels);
 }
 
 void write_vector_image(const std::filesystem::path& path, const Image<Vec3>& image) {
@@ -109,12 +125,14 @@ void write_vector_image(const std::filesystem::path& path, const Image<Vec3>& im
         throw Error(ErrorCode::unsupported,
                     "cannot write '" + path.string() + "': a vector image is .nii or .nii.gz");
     }
-    std::vector<float> values;
-    values.reserve(3 * image.voxels.size());
-    for (const Vec3& v : image.voxels) {
-        for (int a = 0; a < 3; ++a) values.push_back(static_cast<float>(v[a]));
-    }
-    write_volume(path, image.grid, values, 3);
+    check_displacement(image);
+    NiftiFile file(image.grid, NiftiNumbers::displacements);
+    const std::size_t count = image.voxels.size();
+    auto* numbers = file.numbers<float>();
+    for (std::size_t v = 0; v < count; ++v)
+        for (int a = 0; a < 3; ++a)
+            numbers[std::size_t(a) * count + v] = in_steps(image.voxels[v][a]);
+    file.write(path);
 }
 
 }  // namespace palpate

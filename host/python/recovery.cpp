@@ -56,9 +56,12 @@ public:
 
     bool converged() const { return converged_; }
     std::string json() const { return palpate_result_json(handle_.get()); }
-    void write(const std::string& folder) const {
+    void write(const std::string& folder, const std::string& fields) const {
+        palpate_write_options options;
+        palpate_write_options_init(&options);
+        options.fields = fields.c_str();
         Progress(nb::none()).run([&] {
-            return palpate_result_write(handle_.get(), folder.c_str());
+            return palpate_result_write_with(handle_.get(), folder.c_str(), &options);
         });
     }
     const palpate_result* get() const { return handle_.get(); }
@@ -131,7 +134,7 @@ void add_recovery(nb::module_& m) {
         .def_prop_ro("converged", &Result::converged)
         .def_prop_ro("json", &Result::json)
         .def_prop_ro("regions", &regions_of)
-        .def("write", &Result::write, "folder"_a)
+        .def("write", &Result::write, "folder"_a, "fields"_a)
         .def_prop_ro("nodes",
                      [](nb::handle self) {
                          const palpate_result* r = nb::cast<Result&>(self).get();

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/imaging/displacement_steps.hpp"
 #include "host/report/findings.hpp"
-#include "host/warping/field_files.hpp"
 
 namespace palpate {
 namespace {
@@ -101,16 +101,20 @@ Json grid_json(const ImageGrid& grid) {
             {"direction", direction}};
 }
 
-/// Which displacement field is which.
-Json fields_json() {
+/// Which displacement field is which; null for files that are not written.
+Json fields_json(FieldChoice written) {
+    const auto name = [](const char* file, bool is_written) {
+        return is_written ? Json(file) : Json(nullptr);
+    };
     Json list = Json::array();
     for (const FieldFile& f : {forward_field, backward_field})
         list.push_back(
             {{"points_from", f.points_from},
              {"points_to", f.points_to},
              {"grid_of", f.points_from},
-             {"displacement_field", f.field},
-             {"itk_transform", f.transform},
+             {"step_mm", displacement_step_mm},
+             {"displacement_field", name(f.field, has_image(written))},
+             {"itk_transform", name(f.transform, has_transform(written))},
              {"itk_transform_resamples",
               fmt::format("images of the {} onto the {}'s grid", f.points_to, f.points_from)}});
     return list;
@@ -230,14 +234,14 @@ Json settings_json(const Settings& s) {
 
 }  // namespace
 
-std::string json_report(const RecoveryResult& result, bool include_file_names) {
+std::string json_report(const RecoveryResult& result, bool include_file_names, FieldChoice fields) {
     Json json{{"format", "palpate-result"}, {"format_version", 1}, {"version", result.version}};
     json["summary"] = summary_sentences(result);
     json["frame"] = "LPS, mm";
     if (include_file_names)
         json["inputs"] = {{"reference", result.reference_name}, {"target", result.target_name}};
     json["grid"] = grid_json(result.reference_labels.grid);
-    json["fields"] = fields_json();
+    json["fields"] = fields_json(fields);
     Json regions = Json::array(), surfaces = Json::array();
     for (const RegionResult& r : result.regions) regions.push_back(region_json(r));
     for (const SurfaceResult& s : result.surfaces) surfaces.push_back(surface_json(s));

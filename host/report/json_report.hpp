@@ -5,12 +5,14 @@
 #include <string>
 
 #include "host/result/recovery_result.hpp"
+#include "host/warping/field_files.hpp"
 
 namespace palpate {
 
 /// result.json: everything but the fields on mesh and grid, UTF-8, keys in a fixed order. Units are
 /// in the names; numbers that are not finite are null. Holds no path, and no file name unless
-/// asked.
-std::string json_report(const RecoveryResult& result, bool include_file_names = false);
+/// asked. `fields`: which displacement fields lie beside it.
+std::string json_report(const RecoveryResult& result, bool include_file_names = false,
+                        FieldChoice fields = FieldChoice::one);
 
 }  // namespace palpate

@@ -19,7 +19,6 @@
 #include "host/report/json_report.hpp"
 #include "host/report/text_report.hpp"
 #include "host/report/vtk_report.hpp"
-#include "host/warping/field_files.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
 
@@ -216,31 +215,25 @@ void write_text_file(const fs::path& path, const std::string& text) {
     fail_with_errno(path.filename(), "cannot be written");
 }
 
-namespace {
-
-/// Compressing the images is most of writing a result: both at a time.
-void write_fields(const fs::path& folder, const RecoveryResult& result) {
-    auto backward = std::async(std::launch::async, [&] {
-        write_field_image(folder, backward_field, result.inverse_displacement_field);
-    });
-    write_field_image(folder, forward_field, result.displacement_field);
-    write_field_transform(folder, forward_field, result.displacement_field);
-    write_field_transform(folder, backward_field, result.inverse_displacement_field);
-    backward.get();
-}
-
-}  // namespace
-
 void write_result(const RecoveryResult& result, const fs::path& folder,
                   const ResultOptions& options) {
     check_result_folder(folder, options.overwrite);
     write_folder_atomically(folder, options.overwrite, [&](const fs::path& inside) {
-        write_text_file(inside / "result.json", json_report(result, options.include_file_names));
+        // Compressing the fields is most of it: each on a thread beside the rest.
+        auto forward = std::async(std::launch::async, [&] {
+            write_fields(inside, forward_field, result.displacement_field, options.fields);
+        });
+        auto backward = std::async(std::launch::async, [&] {
+            write_fields(inside, backward_field, result.inverse_displacement_field, options.fields);
+        });
+        write_text_file(inside / "result.json",
+                        json_report(result, options.include_file_names, options.fields));
         write_text_file(inside / "convergence.csv", convergence_csv(result));
         write_text_file(inside / "report.html", html_report(result, options.include_file_names));
         write_vtk_report(result, inside / "mesh.vtu");
         write_label_image(inside / "warped_labels.nii.gz", result.warped_labels);
-        write_fields(inside, result);  // after that: ITK's first object must be made by one thread
+        forward.get();
+        backward.get();
     });
 }
 

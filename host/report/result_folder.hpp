@@ -8,20 +8,22 @@
 #include <vector>
 
 #include "host/result/recovery_result.hpp"
+#include "host/warping/field_files.hpp"
 
 namespace palpate {
 
 struct ResultOptions {
     bool overwrite = false;           ///< replace an older result folder of the same name
     bool include_file_names = false;  ///< input file names (they may hold a patient's name)
+    FieldChoice fields = FieldChoice::one;
 };
 
 /// Throws Error(output_failed) if `write_result` would refuse `folder`: it exists and may not be
 /// replaced, or its parent cannot be written. Call it before a long computation.
 void check_result_folder(const std::filesystem::path& folder, bool overwrite);
 
-/// Writes the result folder, all or nothing: result.json, mesh.vtu, the displacement in both senses
-/// as image and as ITK transform (host/warping/field_files.hpp), warped_labels.nii.gz,
+/// Writes the result folder, all or nothing: result.json, mesh.vtu, the chosen files of the
+/// displacement in both senses (host/warping/field_files.hpp), warped_labels.nii.gz,
 /// convergence.csv, report.html. Missing parent folders are made.
 /// An existing folder is replaced only with `overwrite`, and only if it is empty or holds a
 /// result.json.

@@ -129,6 +129,7 @@ void refuses_handles_that_are_none() {
     expect_refused(palpate_result_free(result), "a solver is no result");
     expect_refused(palpate_result_region(result, 0, &region), "region of no result");
     expect_refused(palpate_result_write(result, "nowhere"), "write of no result");
+    expect_refused(palpate_result_write_with(result, "nowhere", nullptr), "the same with options");
     expect(!palpate_result_nodes(result) && !palpate_result_displacement(result) &&
                !palpate_result_force(result) && !palpate_result_elements(result) &&
                !palpate_result_stiffness(result) && !palpate_result_field(result, size) &&

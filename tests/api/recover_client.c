@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: The palpate developers
  * SPDX-License-Identifier: Apache-2.0 */
-/* A program of somebody else, in C99: makes a phantom, recovers it from its label volumes, reads the
- * result, and cancels a second recovery. Argument: palpate-mesh. Exit code 0 if all went as it should. */
+/* A program of somebody else, in C99: makes a phantom, recovers it from its label volumes, reads
+ * the result, and cancels a second recovery. Argument: palpate-mesh. Exit code 0 if all went as it
+ * should. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 
 static int failures = 0;
 
-static void expect(int condition, const char *what) {
+static void expect(int condition, const char* what) {
     if (condition) return;
     printf("failed: %s (last error: %s)\n", what, palpate_last_error());
     ++failures;
@@ -18,17 +19,17 @@ static void expect(int condition, const char *what) {
 
 struct watch {
     int calls;
-    const char *cancel_in; /* a stage */
+    const char* cancel_in; /* a stage */
 };
 
-static int on_progress(void *user, const char *stage, double fraction, const char *message) {
-    struct watch *watch = user;
+static int on_progress(void* user, const char* stage, double fraction, const char* message) {
+    struct watch* watch = user;
     ++watch->calls;
     expect(fraction <= 1 && message != NULL, "progress makes sense");
     return watch->cancel_in != NULL && strcmp(stage, watch->cancel_in) == 0;
 }
 
-static void read_result(const palpate_result *result) {
+static void read_result(const palpate_result* result) {
     int found = 0;
     for (int32_t k = 0; k < palpate_result_num_regions(result); ++k) {
         palpate_region region;
@@ -50,11 +51,11 @@ static void read_result(const palpate_result *result) {
     expect(palpate_result_region(result, 99, &region) == PALPATE_INVALID_ARGUMENT,
            "refuses a region that is not there");
     const int32_t nodes = palpate_result_num_nodes(result);
-    const double *u = palpate_result_displacement(result);
+    const double* u = palpate_result_displacement(result);
     double largest = 0;
     for (int32_t i = 0; i < 3 * nodes; ++i) largest = fmax(largest, fabs(u[i]));
     expect(nodes > 500 && largest > 0.5 && largest < 50, "the body moved");
-    const int32_t *elements = palpate_result_elements(result);
+    const int32_t* elements = palpate_result_elements(result);
     for (int32_t i = 0; i < 4 * palpate_result_num_elements(result); ++i)
         if (elements[i] < 0 || elements[i] >= nodes) expect(0, "elements have nodes");
     int32_t size[3];
@@ -62,9 +63,19 @@ static void read_result(const palpate_result *result) {
     expect(strstr(palpate_result_json(result), "\"regions\"") != NULL, "there is JSON");
     expect(palpate_result_write(result, "/proc/nowhere/result") == PALPATE_OUTPUT_FAILED,
            "says that a folder cannot be written");
+    palpate_write_options writing;
+    palpate_write_options_init(&writing);
+    writing.fields = "none";
+    expect(palpate_result_write_with(result, "/proc/nowhere/result", &writing) ==
+               PALPATE_OUTPUT_FAILED,
+           "says so with options, too");
+    writing.fields = "both";
+    expect(palpate_result_write_with(result, "nowhere", &writing) == PALPATE_INVALID_ARGUMENT &&
+               strstr(palpate_last_error(), "\"one\"") != NULL,
+           "says which fields there are");
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
     if (argc != 2) return 2;
     palpate_phantom_options make;
     palpate_phantom_options_init(&make);
@@ -72,7 +83,7 @@ int main(int argc, char **argv) {
     make.num_nodes = 6000;
     make.mesh_program = argv[1];
     for (int i = 0; i < 3; ++i) make.spacing[i] = 2;
-    palpate_phantom *phantom = NULL;
+    palpate_phantom* phantom = NULL;
     expect(palpate_phantom_pelvis(&make, &phantom) == PALPATE_OK, "makes a phantom");
     if (!phantom) return 1;
     palpate_labels reference, target;
@@ -91,7 +102,7 @@ int main(int argc, char **argv) {
     options.num_nodes = 2500;
     options.progress = on_progress;
     options.progress_user = &watch;
-    palpate_result *result = NULL;
+    palpate_result* result = NULL;
     const palpate_status status = palpate_recover(&reference, &target, &options, &result);
     expect(status == PALPATE_OK || status == PALPATE_NOT_CONVERGED, "recovers");
     expect(watch.calls > 5, "tells its progress");

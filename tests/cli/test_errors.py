@@ -42,6 +42,7 @@ def test_an_unknown_option_is_a_usage_error(phantom, out):
     (["study", "foo"], "there is no command 'foo'; there are coverage"),
     (["warp", "--inverse"], "A subcommand is required"),
     (["export", "a", "--walls", "foo", "--out", "b.feb"], "foo not in {displacement,force}"),
+    (["recover", "a", "b", "--config", "c", "--out", "o", "--fields", "both"], "both not in {none,one,all}"),
 ])
 def test_a_mistyped_word_is_named_with_what_is_allowed(words, sentence, out):
     fails_cleanly(run_palpate(*words), out, 2, sentence)

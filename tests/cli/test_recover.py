@@ -32,7 +32,7 @@ def test_every_file_is_there(result):
     out, _ = result
     names = {entry.name for entry in out.iterdir()}
     assert {"result.json", "mesh.vtu", "displacement.nii.gz", "warped_labels.nii.gz",
-            "report.html"} <= names
+            "report.html", "displacement_inverse.nii.gz", "convergence.csv"} == names
 
 
 def test_the_json_holds_what_programs_need(result):

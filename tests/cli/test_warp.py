@@ -54,7 +54,8 @@ def scene(tmp_path_factory):
     nibabel.save(cropped, folder / "target.nii.gz")
     out = folder / "out"
     finished = run_palpate(*recover_arguments(folder / "phantom", out, reference=reference,
-                                              target=folder / "target.nii.gz"))
+                                              target=folder / "target.nii.gz"),
+                           "--fields", "all")
     assert finished.returncode == 0, finished.stderr
     return folder
 
@@ -277,6 +278,91 @@ def altered_field(scene, out, shape=None, intent=1007):
     changed.header.set_xyzt_units("mm")
     nibabel.save(changed, out)
     return out
+
+
+@pytest.fixture(scope="module")
+def quick(phantom, tmp_path_factory):
+    """Result folders by what --fields said; the default is "one"."""
+    folder = tmp_path_factory.mktemp("fields")
+    for choice in ("none", "one", "all"):
+        more = [] if choice == "one" else ["--fields", choice]
+        finished = run_palpate(*recover_arguments(phantom, folder / choice, *more))
+        assert finished.returncode == 0, finished.stderr
+    return folder
+
+
+def test_a_result_holds_the_fields_that_were_chosen(quick):
+    named = {choice: {p.name for p in (quick / choice).iterdir()} for choice in ("none", "one", "all")}
+    assert named["one"] - named["none"] == {FORWARD, BACKWARD}
+    assert named["all"] - named["one"] == set(TRANSFORMS.values())
+    for choice, names in named.items():
+        fields = json.loads((quick / choice / "result.json").read_text())["fields"]
+        told = {name for field in fields for name in (field["displacement_field"], field["itk_transform"])}
+        assert told - {None} == names & {FORWARD, BACKWARD, *TRANSFORMS.values()}
+        assert [field["step_mm"] for field in fields] == [1 / 128, 1 / 128]
+
+
+def test_fields_are_whole_steps_and_their_headers_say_so(quick):
+    for name in (FORWARD, BACKWARD):
+        image = nibabel.load(quick / "one" / name)
+        assert b"rounded to 1/128 mm" in image.header["descrip"].item()
+        values = numpy.asarray(image.dataobj)
+        assert values.dtype == numpy.float32
+        numpy.testing.assert_array_equal(values * 128, numpy.rint(values * 128))
+
+
+def test_a_default_result_is_all_that_warping_needs(quick, phantom, tmp_path):
+    image = smooth_image(phantom / "reference.nii.gz", tmp_path / "image.nii.gz")
+    for choice in ("one", "all"):
+        warp("image", quick / choice, image, "--out", tmp_path / f"{choice}.nii.gz")
+        warp("labels", quick / choice, phantom / "target.nii.gz", "--inverse", "--out",
+             tmp_path / f"{choice}_labels.nii.gz")
+        warp("grid", quick / choice, "--out", tmp_path / f"{choice}.vtp")
+    assert nibabel.load(tmp_path / "one.nii.gz").get_fdata().std() > 100
+    assert min((tmp_path / f"{choice}.vtp").stat().st_size for choice in ("one", "all")) > 1000
+
+
+def test_export_gives_the_other_format_with_the_same_numbers(quick, tmp_path):
+    for name, way, more in ((FORWARD, "there", []), (BACKWARD, "back", ["--inverse"])):
+        transform, image = tmp_path / f"{way}.h5", tmp_path / f"{way}.nii.gz"
+        for source, out in ((quick / "one", transform), (quick / "all", image)):
+            finished = run_palpate("export", source, "--out", out, *more)
+            assert finished.returncode == 0, finished.stderr
+        finished = run_palpate("export", transform, "--out", tmp_path / f"{way}_again.nii.gz")
+        assert finished.returncode == 0, finished.stderr
+        written = numpy.asarray(nibabel.load(quick / "one" / name).dataobj)
+        for other in (image, tmp_path / f"{way}_again.nii.gz"):
+            again = nibabel.load(other)
+            numpy.testing.assert_allclose(numpy.asarray(again.dataobj), written, atol=1 / 128)
+            numpy.testing.assert_allclose(again.affine, nibabel.load(quick / "one" / name).affine, atol=1e-4)
+
+
+def test_itk_reads_the_exported_transform_as_the_field_that_nibabel_reads(quick, tmp_path):
+    sitk = pytest.importorskip("SimpleITK", reason="SimpleITK is not installed (PyPI: SimpleITK)")
+    finished = run_palpate("export", quick / "one", "--out", tmp_path / "there.h5")
+    assert finished.returncode == 0, finished.stderr
+    transform = sitk.DisplacementFieldTransform(sitk.ReadTransform(str(tmp_path / "there.h5")))
+    ours = sitk.GetArrayFromImage(transform.GetDisplacementField())
+    theirs = sitk.GetArrayFromImage(sitk.ReadImage(str(quick / "one" / FORWARD)))
+    nibabels = numpy.asarray(nibabel.load(quick / "one" / FORWARD).dataobj)[:, :, :, 0, :]
+    numpy.testing.assert_array_equal(ours, theirs)
+    numpy.testing.assert_array_equal(theirs, nibabels.transpose(2, 1, 0, 3))
+
+
+def test_a_result_without_fields_says_what_to_do(quick, tmp_path):
+    points = write_points(tmp_path / "points.csv", [[1, 2, 3]])
+    for arguments in (["warp", "points", quick / "none", points, "--out", tmp_path / "o.csv"],
+                      ["warp", "grid", quick / "none", "--out", tmp_path / "o.vtp"],
+                      ["export", quick / "none", "--out", tmp_path / "o.h5"],
+                      ["export", quick / "none", "--inverse", "--out", tmp_path / "o.nii.gz"]):
+        finished = run_palpate(*arguments)
+        assert finished.returncode == 3
+        assert "without --fields none" in finished.stderr and len(finished.stderr.splitlines()) == 1
+    finished = run_palpate("export", quick / "none", "--out", tmp_path / "model.msh")
+    assert finished.returncode == 0, finished.stderr
+    finished = run_palpate("export", quick / "one", "--inverse", "--out", tmp_path / "b.msh")
+    assert finished.returncode == 2 and "--inverse" in finished.stderr
+    assert {p.name for p in tmp_path.iterdir()} == {"points.csv", "model.msh"}
 
 
 def test_what_cannot_be_used_is_refused_in_a_sentence(scene, tmp_path):

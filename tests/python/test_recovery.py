@@ -88,6 +88,16 @@ def test_files_give_the_same_and_results_are_written(result, phantom, tmp_path):
     assert error.value.status == 10
 
 
+def test_the_fields_of_a_written_result_can_be_chosen(result, tmp_path):
+    for choice, count in (("none", 0), ("one", 2), ("all", 4)):
+        result.write(tmp_path / choice, fields=choice)
+        files = [*(tmp_path / choice).glob("displacement*.nii.gz"), *(tmp_path / choice).glob("*.h5")]
+        assert len(files) == count
+    with pytest.raises(palpate.PalpateError, match="one") as error:
+        result.write(tmp_path / "both", fields="both")
+    assert error.value.status == 2 and not (tmp_path / "both").exists()
+
+
 def test_progress_is_told_and_may_cancel(pelvis):
     stages = []
 

@@ -118,9 +118,13 @@ class Result:
         """What the command line writes as result.json."""
         return json.loads(self._result.json)
 
-    def write(self, folder: Path) -> None:
-        """The result folder with report.html; it must not exist."""
-        self._result.write(os.fspath(folder))
+    def write(self, folder: Path, fields: str = "one") -> None:
+        """The result folder with report.html; it must not exist.
+
+        fields  displacement fields, rounded to 1/128 mm: "none", "one" (NIfTI, for each direction)
+                or "all" (ITK transforms, too)
+        """
+        self._result.write(os.fspath(folder), fields)
 
 
 def _mesh_program() -> str:

@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 
+#include "host/imaging/displacement_steps.hpp"
+#include "host/imaging/gzip.hpp"
 #include "host/imaging/io.hpp"
+#include "host/imaging/preflight.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/nifti_bytes.hpp"
 #include "tests/unit/imaging/voxelised.hpp"
@@ -64,6 +69,77 @@ TEST(WriteVectorImage, LiesWhereItsGridSays) {
         }
         const Vec3 lps(-ras[0], -ras[1], ras[2]);
         EXPECT_LT((lps - image.grid.to_point(index)).norm(), 1e-4);
+    }
+}
+
+TEST(WriteVectorImage, PlacesItselfTheSameInBothForms) {
+    const ScratchFolder folder;
+    Image<Vec3> image = vector_image();
+    const Mat3 about_x = Eigen::AngleAxisd(3.0, Vec3::UnitX()).toRotationMatrix();
+    for (const Mat3& direction : {Mat3(Mat3::Identity()), oblique_direction(),
+                                  left_handed_direction(), Mat3(about_x * oblique_direction())}) {
+        image.grid.direction = direction;
+        write_vector_image(folder / "u.nii.gz", image);
+
+        EXPECT_TRUE(preflight_vectors(folder / "u.nii.gz").warnings.empty());
+        const ImageGrid grid = read_vector_image(folder / "u.nii.gz").grid;
+        EXPECT_LT((grid.direction - direction).norm(), 1e-6);
+        EXPECT_LT((grid.origin - image.grid.origin).norm(), 1e-4);
+        Bytes bytes = gunzipped(load_bytes(folder / "u.nii.gz"), 100000);
+        put<std::int16_t>(bytes, 254, 0);  // no sform
+        save(folder / "q.nii", bytes);
+        EXPECT_LT((read_vector_image(folder / "q.nii").grid.direction - direction).norm(), 1e-5);
+    }
+}
+
+Image<Vec3> uneven_image() {
+    Image<Vec3> image = vector_image();
+    for (std::size_t n = 0; n < image.voxels.size(); ++n)
+        image.voxels[n] = Vec3(std::sin(double(n)), -300 * std::cos(3.0 * double(n)), -1e-4);
+    return image;
+}
+
+TEST(WriteDisplacement, RoundsToTheNearestStepAndSaysSo) {
+    const ScratchFolder folder;
+    const Image<Vec3> image = uneven_image();
+    write_vector_image(folder / "u.nii.gz", image);
+    write_displacement_transform(folder / "u.h5", image);
+
+    const Image<Vec3> fields[] = {read_vector_image(folder / "u.nii.gz"),
+                                  read_displacement_transform(folder / "u.h5")};
+    for (const Image<Vec3>& field : fields) {
+        ASSERT_EQ(field.voxels.size(), image.voxels.size());
+        for (std::size_t n = 0; n < field.voxels.size(); ++n) {
+            const Vec3 steps = field.voxels[n] * 128;
+            EXPECT_EQ(steps, Vec3(steps.array().round()));
+            EXPECT_LE((field.voxels[n] - image.voxels[n]).cwiseAbs().maxCoeff(), 1.0 / 256);
+            EXPECT_FALSE(std::signbit(field.voxels[n][2]));  // no -0
+        }
+    }
+    const Bytes header = gunzipped(load_bytes(folder / "u.nii.gz"), 100000);
+    EXPECT_NE(std::string(&header[148], &header[228]).find("rounded to 1/128 mm"),
+              std::string::npos);
+}
+
+TEST(WriteDisplacement, RefusesWhatIsNotFinite) {
+    const ScratchFolder folder;
+    Image<Vec3> image = vector_image();
+    image.voxels[7][1] = std::numeric_limits<double>::quiet_NaN();
+
+    EXPECT_THROW(write_vector_image(folder / "u.nii.gz", image), Error);
+    EXPECT_THROW(write_displacement_transform(folder / "u.h5", image), Error);
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Gzip, GivesBackWhatItWasGiven) {
+    for (const std::size_t size : {0, 1, 1000, 3000000}) {
+        Bytes bytes(size);
+        for (std::size_t n = 0; n < size; ++n) bytes[n] = std::uint8_t(n * n / 7);
+
+        const Bytes packed = palpate::gzipped(std::span<const std::uint8_t>(bytes));
+
+        EXPECT_TRUE(is_gzip(packed));
+        EXPECT_EQ(inflated(packed, size), bytes) << size;
     }
 }
 

@@ -43,10 +43,30 @@ TEST_F(ResultFolder, HoldsEveryFileAfterAWrite) {
 
     EXPECT_EQ(names_in(folder), "out");
     EXPECT_EQ(names_in(folder / "out"),
+              "convergence.csv displacement.nii.gz displacement_inverse.nii.gz mesh.vtu "
+              "report.html result.json warped_labels.nii.gz");
+}
+
+TEST_F(ResultFolder, HoldsTheFieldsThatWereChosenAndItsJsonNamesThem) {
+    ResultOptions options;
+    options.fields = FieldChoice::none;
+    write_result(synthetic_result(), folder / "none", options);
+    options.fields = FieldChoice::all;
+    write_result(synthetic_result(), folder / "all", options);
+
+    EXPECT_EQ(names_in(folder / "none"),
+              "convergence.csv mesh.vtu report.html result.json warped_labels.nii.gz");
+    EXPECT_EQ(names_in(folder / "all"),
               "convergence.csv displacement.nii.gz displacement_inverse.nii.gz "
               "from-reference_to-target_mode-image_xfm.h5 "
               "from-target_to-reference_mode-image_xfm.h5 mesh.vtu report.html result.json "
               "warped_labels.nii.gz");
+    const std::string none = content_of(folder / "none" / "result.json"),
+                      all = content_of(folder / "all" / "result.json");
+    EXPECT_TRUE(holds(none, "\"displacement_field\": null"));
+    EXPECT_TRUE(holds(none, "\"itk_transform\": null"));
+    EXPECT_TRUE(holds(all, "\"displacement_field\": \"displacement_inverse.nii.gz\""));
+    EXPECT_TRUE(holds(all, "\"itk_transform\": \"from-target_to-reference_mode-image_xfm.h5\""));
 }
 
 TEST_F(ResultFolder, MeshFileHoldsFileLabelsAndFields) {

@@ -25,8 +25,7 @@ protected:
             const double sign = names.field == forward_field.field ? 1 : -0.5;
             const auto field = sampled(
                 oblique_grid(), [&](const Vec3& x) { return Vec3(sign * smooth_displacement(x)); });
-            write_field_image(folder, names, field);
-            write_field_transform(folder, names, field);
+            write_fields(folder, names, field, FieldChoice::all);
         }
     }
     std::string refusal(const std::filesystem::path& path) {
@@ -99,9 +98,45 @@ TEST_F(FieldFiles, ASingleFieldIsInvertedForTheOtherSense) {
 TEST_F(FieldFiles, AFolderWithoutTheInverseStillHasOne) {
     write_both();
     std::filesystem::remove(folder / backward_field.field);
+    std::filesystem::remove(folder / backward_field.transform);
 
     EXPECT_TRUE(read_point_map(folder, Sense::target_to_reference).inverted);
     EXPECT_FALSE(read_point_map(folder, Sense::reference_to_target).inverted);
+}
+
+TEST_F(FieldFiles, OfASenseEitherFileWillDo) {
+    write_both();
+    for (const Sense sense : {Sense::reference_to_target, Sense::target_to_reference}) {
+        const FieldFile& names =
+            sense == Sense::reference_to_target ? forward_field : backward_field;
+        const auto both = read_written_field(folder, sense);
+        std::filesystem::remove(folder / names.field);
+        EXPECT_EQ(read_written_field(folder, sense).voxels, both.voxels);
+        EXPECT_FALSE(read_point_map(folder, sense).inverted);
+    }
+}
+
+TEST_F(FieldFiles, AreThoseThatWereChosen) {
+    const auto field = sampled(oblique_grid(), smooth_displacement);
+
+    write_fields(folder, forward_field, field, field_choice_of("none"));
+    EXPECT_EQ(names_in(folder), "");
+    write_fields(folder, forward_field, field, field_choice_of("one"));
+    EXPECT_EQ(names_in(folder), "displacement.nii.gz");
+    write_fields(folder, forward_field, field, field_choice_of("all"));
+    EXPECT_EQ(names_in(folder), "displacement.nii.gz from-target_to-reference_mode-image_xfm.h5");
+    EXPECT_THROW(field_choice_of("both"), Error);
+}
+
+TEST_F(FieldFiles, ThatWereNotWrittenAreMissedInASentence) {
+    std::ofstream(folder / "result.json") << "{}";
+    EXPECT_NE(refusal(folder).find("without --fields none"), std::string::npos);
+    write_fields(folder, forward_field, sampled(oblique_grid(), smooth_displacement),
+                 FieldChoice::one);
+    EXPECT_EQ(refusal(folder), "no error");
+    EXPECT_THROW(read_written_field(folder, Sense::target_to_reference), Error);
+    EXPECT_THROW(read_written_field(folder / forward_field.field, Sense::target_to_reference),
+                 Error);
 }
 
 TEST_F(FieldFiles, OtherFilesAreRefusedInASentence) {
