@@ -88,12 +88,15 @@ Json volumes_json(const RecoveryResult& result, const LabelVolumes& volumes) {
     for (Index region : volumes.regions)
         organs.push_back(
             {{"name", region_name(result, region)}, {"colour", region_colour(result, region)}});
-    const auto list = [](const auto& v) { return Json{v[0], v[1], v[2]}; };
+    const auto list = [](const Vec3& v) { return Json{v[0], v[1], v[2]}; };
+    // The volumes lie in the target's frame, the surfaces in the reference's.
+    const RigidTransform back = result.alignment.reference_to_target.inverse();
+    const Mat3 axes = back.rotation * volumes.axes;
     return {
         {"size", volumes.size},
         {"spacing_mm", list(volumes.spacing)},
-        {"origin_mm", list(volumes.origin)},
-        {"axes", {list(volumes.axes.col(0)), list(volumes.axes.col(1)), list(volumes.axes.col(2))}},
+        {"origin_mm", list(back.apply(volumes.origin))},
+        {"axes", {list(axes.col(0)), list(axes.col(1)), list(axes.col(2))}},
         {"centre", volumes.centre},
         {"organs", organs},
         {"reference", to_base64(run_lengths(volumes.reference))},
