@@ -237,7 +237,8 @@ void write_result(const RecoveryResult& result, const fs::path& folder,
     write_folder_atomically(folder, options.overwrite, [&](const fs::path& inside) {
         write_text_file(inside / "result.json", json_report(result, options.include_file_names));
         write_text_file(inside / "convergence.csv", convergence_csv(result));
-        write_text_file(inside / "report.html", html_report(result, options.include_file_names));
+        write_text_file(inside / "report.html",
+                        html_report(result, options.include_file_names, options.images));
         write_vtk_report(result, inside / "mesh.vtu");
         write_label_image(inside / "warped_labels.nii.gz", result.warped_labels);
         write_fields(inside, result);  // after that: ITK's first object must be made by one thread

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/report/grey_picture.hpp"
 #include "host/result/recovery_result.hpp"
 
 namespace palpate {
@@ -14,6 +15,7 @@ namespace palpate {
 struct ResultOptions {
     bool overwrite = false;           ///< replace an older result folder of the same name
     bool include_file_names = false;  ///< input file names (they may hold a patient's name)
+    GreyImages images;                ///< for report.html, which then shows the patient's anatomy
 };
 
 /// Throws Error(output_failed) if `write_result` would refuse `folder`: it exists and may not be
