@@ -6,6 +6,7 @@
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/image_options.hpp"
 #include "host/cli/options.hpp"
 #include "host/cli/partial_target_options.hpp"
 #include "host/cli/time_limit.hpp"
@@ -25,6 +26,7 @@ struct RecoverArguments {
     std::string reference, config, out, mesh, transform, save_reduced, load_reduced;
     std::vector<std::string> targets;
     PartialTargetArguments partial;
+    ImageArguments images;
     std::string align = "auto", method = "map", material = name_of(TissueLaw::linear),
                 fields = "one";
     SolverArguments solver;
@@ -61,13 +63,16 @@ RecoverOptions recover_options(const RecoverArguments& arguments) {
     return options;
 }
 
-void write(const RecoverArguments& arguments, const RecoveryResult& result,
-           const std::filesystem::path& folder, const ProgressSink& progress) {
+/// Writes the result of one target.
+void write(const RecoverArguments& arguments, RecoveryResult& result, const PatientImages& images,
+           std::size_t target, const std::filesystem::path& folder, const ProgressSink& progress) {
     report_progress(progress, "writing", 0, "result folder");
+    images.add_warnings(target, result);
     ResultOptions writing;
     writing.overwrite = arguments.overwrite;
     writing.include_file_names = arguments.keep_file_names;
     writing.fields = field_choice_of(arguments.fields);
+    writing.images = images.of_target(target);
     write_result(result, folder, writing);
 }
 
@@ -75,22 +80,27 @@ int exit_code_for(const RecoveryResult& result) {
     return result.termination.converged ? 0 : exit_code_not_converged;
 }
 
-RecoveryResult recovered(const RecoverArguments& arguments, const RecoverOptions& options,
-                         const ProgressSink& progress) {
-    if (has_shapes(arguments.partial)) {
-        const PartialTarget target = partial_target(arguments.partial);
-        report_progress(progress, "reading", 0, "reading the segmentation");
-        return recover(read_segmentation(arguments.reference, progress), target, options, progress);
-    }
-    report_progress(progress, "reading", 0, "reading both segmentations");
-    return recover(read_segmentation(arguments.reference, progress),
-                   read_segmentation(arguments.targets.front(), progress), options, progress);
+std::vector<Segmentation> read_targets(const RecoverArguments& arguments,
+                                       const ProgressSink& progress) {
+    std::vector<Segmentation> targets;
+    for (const auto& target : arguments.targets)
+        targets.push_back(read_segmentation(target, progress));
+    return targets;
 }
 
 int recover_one(const RecoverArguments& arguments, const RecoverOptions& options,
                 const ProgressSink& progress) {
-    const RecoveryResult result = recovered(arguments, options, progress);
-    write(arguments, result, arguments.out, progress);
+    const bool partial = has_shapes(arguments.partial);
+    const PartialTarget shapes = partial ? partial_target(arguments.partial) : PartialTarget{};
+    report_progress(progress, "reading", 0,
+                    partial ? "reading the segmentation" : "reading both segmentations");
+    const Segmentation reference = read_segmentation(arguments.reference, progress);
+    const std::vector<Segmentation> targets = read_targets(arguments, progress);
+    const PatientImages images =
+        read_images(arguments.images, options.settings, reference, targets, progress);
+    RecoveryResult result = partial ? recover(reference, shapes, options, progress)
+                                    : recover(reference, targets.front(), options, progress);
+    write(arguments, result, images, 0, arguments.out, progress);
     end_progress_line();
     fmt::print("{}\nreport: {}/report.html\n", text_report(result), arguments.out);
     return exit_code_for(result);
@@ -100,14 +110,6 @@ int recover_one(const RecoverArguments& arguments, const RecoverOptions& options
 int worse(int a, int b) {
     if (a == 0 || (a == exit_code_not_converged && b != 0)) return b;
     return a;
-}
-
-std::vector<Segmentation> read_targets(const RecoverArguments& arguments,
-                                       const ProgressSink& progress) {
-    std::vector<Segmentation> targets;
-    for (const auto& target : arguments.targets)
-        targets.push_back(read_segmentation(target, progress));
-    return targets;
 }
 
 /// One result folder per target, and the table of all, which grows as they are done.
@@ -122,11 +124,14 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
         write_targets_file(folder, targets_csv(rows));
     };
     report_progress(progress, "reading", 0, "reading the segmentations");
+    const Segmentation reference = read_segmentation(arguments.reference, progress);
+    const std::vector<Segmentation> targets = read_targets(arguments, progress);
+    const PatientImages images =
+        read_images(arguments.images, options.settings, reference, targets, progress);
     recover_all(
-        read_segmentation(arguments.reference, progress), read_targets(arguments, progress),
-        options,
-        [&](std::size_t k, const RecoveryResult& result, double seconds) {
-            write(arguments, result, folder / names[k], progress);
+        reference, targets, options,
+        [&](std::size_t k, RecoveryResult result, double seconds) {
+            write(arguments, result, images, k, folder / names[k], progress);
             add(target_row(names[k], result, seconds), exit_code_for(result));
         },
         progress,
@@ -141,6 +146,7 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
 
 int run_recover(const RecoverArguments& arguments) {
     check_one_kind_of_target(arguments.targets, arguments.partial);
+    check_number_of_images(arguments.images, arguments.targets.size());
     if (arguments.targets.size() > 1 && !arguments.landmarks.empty())
         throw Error(ErrorCode::invalid_argument,
                     "--landmarks belong to one target; recover the targets one by one");
@@ -208,6 +214,7 @@ void add_recover(CLI::App& app, Run& run) {
                      "instead of --align")
         ->excludes(align);
     add_partial_target_options(*command, arguments->partial);
+    add_image_options(*command, arguments->images);
     command
         ->add_option("--landmarks", arguments->landmarks,
                      "Two CSV files (x, y, z in mm) with the same points in both images, row by "

@@ -24,7 +24,8 @@ LabelImage read_label_image(const std::filesystem::path& path, const ProgressSin
 
 /// Reads any 3D volume of one number per voxel in the same way, as single precision.
 Image<float> read_scalar_image(const std::filesystem::path& path,
-                               std::vector<std::string>* warnings = nullptr);
+                               std::vector<std::string>* warnings = nullptr,
+                               const ProgressSink& progress = {});
 
 /// The grid of such a volume, whatever its numbers are.
 ImageGrid read_image_grid(const std::filesystem::path& path,

@@ -117,7 +117,7 @@ std::vector<std::uint8_t> load_detached(const std::filesystem::path& folder,
 std::size_t checked_num_voxels(const std::vector<long long>& sizes) {
     if (sizes.size() != 3) {
         unusable("it has " + std::to_string(sizes.size()) +
-                 " dimensions; a label volume has three, one number per voxel");
+                 " dimensions; a volume of three is needed, one number per voxel");
     }
     std::size_t product = 1;
     for (long long size : sizes) {

@@ -30,9 +30,9 @@ CheckedVolume checked_volume(const std::filesystem::path& path, Voxels voxels,
 }  // namespace
 
 Image<float> read_scalar_image(const std::filesystem::path& path,
-                               std::vector<std::string>* warnings) {
-    auto volume =
-        decode_volume<float>(path, checked_volume(path, Voxels::used, warnings), finite_from);
+                               std::vector<std::string>* warnings, const ProgressSink& progress) {
+    auto volume = decode_volume<float>(path, checked_volume(path, Voxels::used, warnings),
+                                       finite_from, progress);
     return {volume.grid, std::move(volume.values)};
 }
 

@@ -10,6 +10,7 @@
 #include "host/report/label_volumes.hpp"
 #include "host/report/markup.hpp"
 #include "host/report/report_plots.hpp"
+#include "host/report/shown_picture.hpp"
 #include "host/report/static_slices.hpp"
 #include "host/report/viewer_data.hpp"
 
@@ -39,6 +40,46 @@ std::string slices_note(const RecoveryResult& result, const LabelVolumes& volume
     return text;
 }
 
+constexpr const char* plain_lines =
+    "Tinted areas: reference. Thick grey line: target, aligned. Thin coloured line: reference "
+    "carried by the deformation.";
+
+/// What the lines mean, on each ground that the slices can have.
+std::string lines_note(const ShownPictures& pictures) {
+    std::string text;
+    if (!pictures.target.empty())
+        text +=
+            "On the target image: white line, target; thin coloured line, reference carried by "
+            "the deformation. ";
+    if (!pictures.reference.empty())
+        text += "On the reference image, rigidly aligned: coloured line, reference. ";
+    if (text.empty()) return plain_lines;
+    return text +
+           "Without an image: tinted areas, reference; thick grey line, target, aligned; "
+           "thin coloured line, reference carried by the deformation.";
+}
+
+std::string picture_note(const char* which, const ShownPicture& picture,
+                         const LabelVolumes& volumes) {
+    if (picture.empty()) return "";
+    const auto spacing_mm = [&](int a) {
+        return significant(volumes.spacing[a] * volumes.size[a] / picture.grey.size[a]);
+    };
+    return fmt::format(" {} image: grey from {} (black) to {} (white), voxels of {} × {} × {} mm.",
+                       which, significant(picture.grey.window.black),
+                       significant(picture.grey.window.white), spacing_mm(0), spacing_mm(1),
+                       spacing_mm(2));
+}
+
+/// The row of slices, and a second one for paper where there are images.
+std::string slices_html(const RecoveryResult& result, const LabelVolumes& volumes,
+                        const ShownPictures& pictures) {
+    const std::vector<SliceGround> grounds = slice_grounds(pictures);
+    std::string out = slice_figures(result, volumes, pictures, grounds.front());
+    if (grounds.size() > 1) out += slice_figures(result, volumes, pictures, grounds[1], "on-paper");
+    return out;
+}
+
 std::string inputs_line(const RecoveryResult& result, bool include_file_names) {
     if (!include_file_names) return "";
     return "<p class='kind'>" + escape_html(result.reference_name) + " → " +
@@ -54,11 +95,11 @@ std::string plain_summary(const RecoveryResult& result) {
 
 }  // namespace
 
-std::string html_report(const RecoveryResult& result, bool include_file_names) {
-    const LabelVolumes volumes = label_volumes(result);
-    const auto slice = [&](SliceView view) {
-        return volumes.empty() ? std::string() : static_slice_svg(result, volumes, view);
-    };
+std::string html_report(const RecoveryResult& result, bool include_file_names,
+                        const GreyImages& images) {
+    const double margin_mm = images.empty() ? 8 : 15;  // what lies round organs tells images apart
+    const LabelVolumes volumes = label_volumes(result, most_shown_voxels, margin_mm);
+    const ShownPictures pictures = shown_pictures(images, result, volumes);
     const std::string figures = profile_figures(result) + convergence_figures(result);
     return fill_template(
         report_html_template(),
@@ -72,10 +113,11 @@ std::string html_report(const RecoveryResult& result, bool include_file_names) {
          {"intervals", interval_figure(result)},
          {"regions", regions_table_html(result)},
          {"surfaces", surfaces_table_html(result)},
-         {"axial", slice(SliceView::axial)},
-         {"coronal", slice(SliceView::coronal)},
-         {"sagittal", slice(SliceView::sagittal)},
-         {"slices_note", escape_html(slices_note(result, volumes))},
+         {"slices", slices_html(result, volumes, pictures)},
+         {"lines_note", lines_note(pictures)},
+         {"slices_note", escape_html(slices_note(result, volumes)) +
+                             picture_note("Target", pictures.target, volumes) +
+                             picture_note("Reference", pictures.reference, volumes)},
          {"certainty", section("certainty", "How sure is it",
                                figures.empty() ? ""
                                                : "<div class='figures'>" + figures +
@@ -83,7 +125,7 @@ std::string html_report(const RecoveryResult& result, bool include_file_names) {
                                                      sensitivity_table_html(result) + "</div>")},
          {"details", details_html(result)},
          {"settings", escape_html(to_toml(result.settings))},
-         {"data", viewer_data(result, volumes)},
+         {"data", viewer_data(result, volumes, pictures)},
          {"scripts", std::string(surface_viewer_js()) + std::string(slice_viewer_js()) +
                          std::string(report_js())}});
 }

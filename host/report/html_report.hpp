@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "host/report/grey_picture.hpp"
 #include "host/result/recovery_result.hpp"
 
 namespace palpate {
@@ -11,7 +12,8 @@ namespace palpate {
 /// report.html: one file that needs nothing else and fetches nothing. Findings in words, tables,
 /// 3D surfaces that can be turned, slices with contours, convergence and profile plots. Without
 /// scripts or WebGL the tables, plots and a few fixed slices remain.
-/// Every text from outside is escaped.
-std::string html_report(const RecoveryResult& result, bool include_file_names = false);
+/// Every text from outside is escaped. `images` lie under the outlines of the slices.
+std::string html_report(const RecoveryResult& result, bool include_file_names = false,
+                        const GreyImages& images = {});
 
 }  // namespace palpate

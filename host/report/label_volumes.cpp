@@ -9,8 +9,6 @@
 namespace palpate {
 namespace {
 
-constexpr double margin_mm = 8;
-
 /// Which grid axis stands for each patient axis, and whether it runs the other way.
 struct AxisOrder {
     std::array<int, 3> axis{0, 1, 2};
@@ -70,7 +68,8 @@ void for_each_organ_voxel(const LabelImage& image, const LabelTable& table, cons
                     visit(std::array<Index, 3>{i, j, k}, v);
 }
 
-Box box_of_organs(const std::array<const LabelImage*, 3>& images, const LabelTable& table) {
+Box box_of_organs(const std::array<const LabelImage*, 3>& images, const LabelTable& table,
+                  double margin_mm) {
     const auto& grid = images[0]->grid;
     Box box{grid.size, {-1, -1, -1}};
     for (const LabelImage* image : images) {
@@ -160,14 +159,15 @@ Vec3 centre_of_interest(const RecoveryResult& result, const LabelTable& table,
 
 }  // namespace
 
-LabelVolumes label_volumes(const RecoveryResult& result, std::size_t max_voxels) {
+LabelVolumes label_volumes(const RecoveryResult& result, std::size_t max_voxels, double margin_mm) {
     LabelVolumes volumes;
     const LabelImage& reference = result.reference_labels;
     const std::array<const LabelImage*, 3> images{&reference, &result.target_labels_aligned,
                                                   &result.warped_labels};
 
     const LabelTable table = label_table(result, volumes.regions);
-    Sampling sampling{axis_order(reference.grid.direction), box_of_organs(images, table)};
+    Sampling sampling{axis_order(reference.grid.direction),
+                      box_of_organs(images, table, margin_mm)};
     if (sampling.box.empty()) return volumes;
     for (int a = 0; a < 3; ++a) volumes.size[a] = sampling.length(a);
     while (std::size_t(volumes.size[0]) * volumes.size[1] * volumes.size[2] > max_voxels) {

@@ -10,7 +10,8 @@
 
 namespace palpate {
 
-/// The three label volumes as the report shows them: cropped to the organs with a margin, axes
+/// The three label volumes as the report shows them, on the target's grid and in its frame (without
+/// target labels: on the reference's, moved there): cropped to the organs with a margin, axes
 /// reordered and turned so that index 0, 1, 2 run as nearly as the grid allows to the patient's
 /// left, back and head (+x, +y, +z in LPS). Voxel value: 0 or 1 + position in `regions`.
 struct LabelVolumes {
@@ -29,7 +30,10 @@ struct LabelVolumes {
     }
 };
 
+inline constexpr std::size_t most_shown_voxels = 24'000'000;
+
 /// Empty if no organ has a voxel. A volume of more than `max_voxels` is thinned out by whole steps.
-LabelVolumes label_volumes(const RecoveryResult& result, std::size_t max_voxels = 24'000'000);
+LabelVolumes label_volumes(const RecoveryResult& result, std::size_t max_voxels = most_shown_voxels,
+                           double margin_mm = 8);
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/report/grey_picture.hpp"
 #include "host/result/recovery_result.hpp"
 #include "host/warping/field_files.hpp"
 
@@ -16,6 +17,7 @@ struct ResultOptions {
     bool overwrite = false;           ///< replace an older result folder of the same name
     bool include_file_names = false;  ///< input file names (they may hold a patient's name)
     FieldChoice fields = FieldChoice::one;
+    GreyImages images;  ///< for report.html, which then shows the patient's anatomy
 };
 
 /// Throws Error(output_failed) if `write_result` would refuse `folder`: it exists and may not be

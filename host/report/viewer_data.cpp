@@ -88,17 +88,32 @@ Json volumes_json(const RecoveryResult& result, const LabelVolumes& volumes) {
     for (Index region : volumes.regions)
         organs.push_back(
             {{"name", region_name(result, region)}, {"colour", region_colour(result, region)}});
-    const auto list = [](const auto& v) { return Json{v[0], v[1], v[2]}; };
-    return {
-        {"size", volumes.size},
-        {"spacing_mm", list(volumes.spacing)},
-        {"origin_mm", list(volumes.origin)},
-        {"axes", {list(volumes.axes.col(0)), list(volumes.axes.col(1)), list(volumes.axes.col(2))}},
-        {"centre", volumes.centre},
-        {"organs", organs},
-        {"reference", to_base64(run_lengths(volumes.reference))},
-        {"target", to_base64(run_lengths(volumes.target))},
-        {"warped", to_base64(run_lengths(volumes.warped))}};
+    const auto list = [](const Vec3& v) { return Json{v[0], v[1], v[2]}; };
+    // The volumes lie in the target's frame, the surfaces in the reference's.
+    const RigidTransform back = result.alignment.reference_to_target.inverse();
+    const Mat3 axes = back.rotation * volumes.axes;
+    return {{"size", volumes.size},
+            {"spacing_mm", list(volumes.spacing)},
+            {"origin_mm", list(back.apply(volumes.origin))},
+            {"axes", {list(axes.col(0)), list(axes.col(1)), list(axes.col(2))}},
+            {"centre", volumes.centre},
+            {"organs", organs},
+            {"reference", to_base64(run_lengths(volumes.reference))},
+            {"target", to_base64(run_lengths(volumes.target))},
+            {"warped", to_base64(run_lengths(volumes.warped))}};
+}
+
+Json pictures_json(const ShownPictures& pictures) {
+    Json json = Json::object();
+    const auto add = [&](const char* name, const ShownPicture& picture) {
+        if (picture.empty()) return;
+        json[name] = {{"size", picture.grey.size},
+                      {"tiles_per_row", picture.tiles_per_row},
+                      {"png", picture.mosaic}};
+    };
+    add("target", pictures.target);
+    add("reference", pictures.reference);
+    return json;
 }
 
 /// Inside a <script> element "</script" and "<!--" must not occur; in JSON "<" may be escaped.
@@ -111,10 +126,13 @@ std::string safe_in_script(const std::string& json) {
 
 }  // namespace
 
-std::string viewer_data(const RecoveryResult& result, const LabelVolumes& volumes) {
+std::string viewer_data(const RecoveryResult& result, const LabelVolumes& volumes,
+                        const ShownPictures& pictures) {
     Json surfaces = Json::array();
     for (const SurfaceResult& s : result.surfaces) surfaces.push_back(surface_json(result, s));
-    const Json json{{"surfaces", surfaces}, {"volumes", volumes_json(result, volumes)}};
+    const Json json{{"surfaces", surfaces},
+                    {"volumes", volumes_json(result, volumes)},
+                    {"pictures", pictures_json(pictures)}};
     return safe_in_script(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 

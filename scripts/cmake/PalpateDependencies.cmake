@@ -5,6 +5,7 @@
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(ZLIB REQUIRED)
+find_package(PNG REQUIRED)
 find_package(NLopt 2.7 REQUIRED)
 find_package(BLAS REQUIRED)    # OpenBLAS picks its kernels for the processor at run time
 find_package(fmt REQUIRED)

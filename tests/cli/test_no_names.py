@@ -117,6 +117,7 @@ def test_no_name_comes_out_again(files, phantom, tmp_path):
                                   reference=reference, target=nrrd, config=config)
     arguments.insert(3, meta)
     arguments.remove("--quiet")
+    arguments += ["--reference-image", reference, "--target-image", meta, nrrd]  # shown as they are
 
     finished = run_palpate(*arguments, environment={"TMPDIR": str(temporary)})
 
@@ -130,6 +131,8 @@ def test_no_name_comes_out_again(files, phantom, tmp_path):
     assert {name: found for name, found in leaks.items() if found} == {}
     assert [path for path in work.rglob("*") if "Canary" in path.name] == []
     assert list(temporary.iterdir()) == []
+    pages = [path.read_text() for path in work.rglob("report.html")]
+    assert len(pages) == 2 and all("On the target image" in page for page in pages)
 
 
 @pytest.mark.parametrize("ending", ["nii.gz", "nrrd", "mha"])

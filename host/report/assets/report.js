@@ -66,9 +66,9 @@ function roundLength(value) {
 }
 
 /** A scale bar with its length in mm, at the lower left of a 2D context in CSS pixels. */
-function drawScaleBar(context, pixelsPerMm, x, y, longest) {
+function drawScaleBar(context, pixelsPerMm, x, y, longest, colour = themeColour("soft")) {
   const mm = roundLength(longest / pixelsPerMm);
-  context.strokeStyle = context.fillStyle = themeColour("soft");
+  context.strokeStyle = context.fillStyle = colour;
   context.lineWidth = 1.5;
   context.beginPath();
   context.moveTo(x, y - 4);
@@ -95,7 +95,7 @@ function drawScaleBar(context, pixelsPerMm, x, y, longest) {
     const surfaces = data.surfaces.length ? startSurfaceViewer(data.surfaces) : null;
     page.dataset.webgl = surfaces ? "yes" : "no";
     if (surfaces) redraws.push(surfaces);
-    if (data.volumes) redraws.push(startSliceViewer(data.volumes, data.surfaces));
+    if (data.volumes) redraws.push(startSliceViewer(data.volumes, data.surfaces, data.pictures));
 
     const redraw = () => redraws.forEach((draw) => draw());
     window.addEventListener("resize", redraw);

@@ -1,5 +1,6 @@
-// Three linked slice views of the label volumes: reference areas, target and warped outlines. The
-// outlines are cut from the surfaces (smooth) or follow the voxels.
+// Three linked slice views: on plain ground reference areas, target and warped outlines; on an image
+// of the patient the outlines that belong to it. They are cut from the surfaces (smooth) or follow the
+// voxels.
 
 /** How a view cuts the volume (index 0, 1, 2 run to left, back, head). */
 const sliceCuts = {
@@ -101,10 +102,66 @@ function areasOf(slice, colours) {
   return picture;
 }
 
+/** Grey values of a picture, index 0 fastest, from its slices side by side in a PNG file; `done` follows. */
+function unpackPicture(data, done) {
+  const picture = { size: data.size, voxels: null };
+  const image = new Image();
+  image.addEventListener("error", () => { throw new Error("a picture cannot be unpacked"); });
+  image.addEventListener("load", () => {
+    const { width, height } = image;
+    const context = element("canvas", { width, height }).getContext("2d", { willReadFrequently: true });
+    context.drawImage(image, 0, 0);
+    const pixels = context.getImageData(0, 0, width, height).data;
+    const [columns, rows, slices] = data.size;
+    picture.voxels = new Uint8Array(columns * rows * slices);
+    for (let k = 0, to = 0; k < slices; ++k) {
+      const left = columns * (k % data.tiles_per_row), top = rows * Math.floor(k / data.tiles_per_row);
+      for (let r = 0; r < rows; ++r)
+        for (let c = 0; c < columns; ++c)
+          picture.voxels[to++] = pixels[4 * ((top + r) * width + left + c)];
+    }
+    done();
+  });
+  image.src = "data:image/png;base64," + data.png;
+  return picture;
+}
+
+/** One slice of a picture on a canvas, between two of its own where they lie elsewhere.
+ *  `place`: 0 to 1 through the volume; `greys`: what each value looks like. */
+function sliceOfPicture({ size, voxels }, cut, place, greys) {
+  const columns = size[cut.column], rows = size[cut.row], strides = [1, size[0], size[0] * size[1]];
+  const depth = Math.min(Math.max(place * size[cut.through] - 0.5, 0), size[cut.through] - 1);
+  const low = Math.floor(depth), part = depth - low;
+  const next = part > 0 ? strides[cut.through] : 0;
+  const canvas = element("canvas", { width: columns, height: rows });
+  const context = canvas.getContext("2d");
+  const image = context.createImageData(columns, rows);
+  for (let r = 0, to = 0; r < rows; ++r) {
+    const row = cut.rowsUp ? rows - 1 - r : r;
+    let at = low * strides[cut.through] + row * strides[cut.row];
+    for (let c = 0; c < columns; ++c, at += strides[cut.column], to += 4) {
+      const grey = greys[Math.round((1 - part) * voxels[at] + part * voxels[at + next])];
+      image.data[to] = image.data[to + 1] = image.data[to + 2] = grey;
+      image.data[to + 3] = 255;
+    }
+  }
+  context.putImageData(image, 0, 0);
+  return canvas;
+}
+
+/** What is drawn on which ground until the reader chooses otherwise. */
+const layersOn = {
+  target: { reference: false, target: true, warped: true },
+  reference: { reference: true, target: false, warped: false },
+  plain: { reference: true, target: true, warped: true },
+};
+
+const groundNames = { target: "target image", reference: "reference image", plain: "" };
+
 const rgbOf = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 
 /** Fills the figures of the page; returns the function that draws them anew. */
-function startSliceViewer(data, surfaceData) {
+function startSliceViewer(data, surfaceData, pictureData) {
   const count = data.size[0] * data.size[1] * data.size[2];
   const volumes = {
     reference: voxelsOf(data.reference, count),
@@ -113,23 +170,86 @@ function startSliceViewer(data, surfaceData) {
   };
   const colours = data.organs.map((organ) => rgbOf(organ.colour));
   const surfaces = {
+    reference: surfaceData.map((s) =>
+      surfaceInVoxels(data, s.colour, s.vertices, null, s.triangles)),
     target: surfaceData.map((s) =>
       surfaceInVoxels(data, s.colour, s.target_vertices, null, s.target_triangles)),
     warped: surfaceData.map((s) =>
       surfaceInVoxels(data, s.colour, s.vertices, s.displacement, s.triangles)),
   };
+  const withoutSurface = data.organs.map((organ, i) => ({ ...organ, value: i + 1 }))
+    .filter((organ) => !surfaceData.some((s) => s.name === organ.name));
   let smooth = surfaceData.length > 0;
-  const shown = { reference: true, target: true, warped: true };
+  const grounds = ["target", "reference"].filter((name) => pictureData[name]).concat("plain");
+  const tone = { brightness: 0, contrast: 0, "line strength": 1 };
+  let ground = grounds[0], shown = { ...layersOn[ground] };
   const position = [...data.centre];
-  const views = [];
+  const views = [], paperViews = [], layerBoxes = {};
+  const widths = {};  // of the views on the screen, which those for paper follow
 
-  const drawAll = () => views.forEach((view) => view.draw());
+  const pictures = {};
+  for (const name of grounds.slice(0, -1))
+    pictures[name] = unpackPicture(pictureData[name], () => {
+      document.documentElement.dataset.pictures =
+        Object.values(pictures).every((p) => p.voxels) ? "ready" : "starting";
+      drawEverything();
+    });
+
   for (const figure of document.querySelectorAll("figure[data-view]")) {
-    const cut = sliceCuts[figure.dataset.view];
-    views.push(makeSliceView(figure, cut));
+    const onPaper = figure.closest(".on-paper") !== null;
+    (onPaper ? paperViews : views).push(makeSliceView(figure, sliceCuts[figure.dataset.view], onPaper));
   }
   makeSliceLegend();
-  return drawAll;
+  if (grounds.length > 1) makePictureControls();
+  return drawEverything;
+
+  function drawAll() {
+    views.forEach((view) => view.draw(ground, shown));
+  }
+
+  /** The other row of slices, which is seen on paper only, too. */
+  function drawEverything() {
+    drawAll();
+    const other = grounds.find((name) => name !== ground);
+    paperViews.forEach((view) => view.draw(other, layersOn[other]));
+  }
+
+  function makePictureControls() {
+    const controls = document.getElementById("picture-controls");
+    const buttons = element("span", { className: "buttons" });
+    buttons.setAttribute("role", "group");
+    buttons.setAttribute("aria-label", "Under the outlines");
+    const press = () => grounds.forEach((name, i) =>
+      buttons.children[i].setAttribute("aria-pressed", name === ground));
+    for (const name of grounds) {
+      const button = element("button", { type: "button", textContent: groundNames[name] || "no image" });
+      button.addEventListener("click", () => {
+        ground = name;
+        shown = { ...layersOn[name] };
+        for (const [layer, box] of Object.entries(layerBoxes)) box.checked = shown[layer];
+        press();
+        drawAll();
+      });
+      buttons.append(button);
+    }
+    press();
+    controls.append(buttons);
+    const sliders = { brightness: [-1, 0], contrast: [-1, 0], "line strength": [0, 1] };
+    for (const [name, [min, value]] of Object.entries(sliders)) {
+      const slider = element("input", { type: "range", min, max: 1, step: 0.02, value });
+      slider.addEventListener("input", () => { tone[name] = +slider.value; drawAll(); });
+      slider.addEventListener("dblclick", () => { slider.value = tone[name] = value; drawAll(); });
+      slider.title = "double click: as at first";
+      controls.append(element("label", {}, name + " ", slider));
+    }
+  }
+
+  /** Greys of the values 0 to 255 at the chosen brightness and contrast. */
+  function greysNow() {
+    const slope = 4 ** tone.contrast;
+    return Uint8ClampedArray.from({ length: 256 }, (_, value) =>
+      255 * (0.5 + 0.5 * tone.brightness + slope * (value / 255 - 0.5)));
+  }
 
   function makeSliceLegend() {
     const legend = document.getElementById("slice-legend");
@@ -137,8 +257,9 @@ function startSliceViewer(data, surfaceData) {
       legend.append(element("span", {}, swatchOf(organ.colour), organ.name)));
     const layers = { reference: "reference", target: "target", warped: "after" };
     for (const [layer, text] of Object.entries(layers)) {
-      const box = element("input", { type: "checkbox", checked: true });
+      const box = element("input", { type: "checkbox", checked: shown[layer] });
       box.addEventListener("change", () => { shown[layer] = box.checked; drawAll(); });
+      layerBoxes[layer] = box;
       legend.append(element("label", {}, box, " " + text));
     }
     if (!smooth) return;
@@ -149,21 +270,20 @@ function startSliceViewer(data, surfaceData) {
     legend.append(element("label", {}, "outlines ", select));
   }
 
-  function makeSliceView(figure, cut) {
+  function makeSliceView(figure, cut, onPaper) {
     const frame = figure.querySelector(".frame");
     const canvas = element("canvas", {});
-    const where = element("span", {});
+    const where = element("span", { className: "where" });
     const slider = element("input", {
       type: "range", min: 0, max: data.size[cut.through] - 1, value: position[cut.through],
     });
     slider.setAttribute("aria-label", figure.dataset.view + " slice");
     frame.replaceChildren(canvas);
     figure.querySelector("figcaption").append(where);
-    figure.append(slider);
+    if (!onPaper) figure.append(slider);
 
     const width = data.size[cut.column] * data.spacing_mm[cut.column];
     const height = data.size[cut.row] * data.spacing_mm[cut.row];
-    figure.style.flexGrow = width;  // one scale for all views
     let scale = 1;
     slider.addEventListener("input", () => { position[cut.through] = +slider.value; drawAll(); });
     canvas.addEventListener("click", (event) => {
@@ -175,57 +295,94 @@ function startSliceViewer(data, surfaceData) {
       drawAll();
     });
 
-    function draw() {
-      scale = frame.clientWidth / width;
-      canvas.style.width = frame.clientWidth + "px";
-      canvas.style.height = height * scale + "px";
-      fitCanvas(canvas, frame.clientWidth, height * scale);
+    function draw(ground, layers) {
+      const across = frame.clientWidth || widths[figure.dataset.view] || 300;
+      if (!onPaper) widths[figure.dataset.view] = across;
+      scale = across / width;
+      fitCanvas(canvas, across, height * scale);
       slider.value = position[cut.through];
       where.textContent = "slice " + (position[cut.through] + 1) + " / " + data.size[cut.through];
+      figure.querySelector(".ground").textContent = groundNames[ground] && ", " + groundNames[ground];
       const context = canvas.getContext("2d");
-      const ratio = canvas.width / frame.clientWidth;
+      const ratio = canvas.width / across;
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, canvas.width, canvas.height);
-      drawContent(context);
-      drawCross(context);
-      drawFurniture(context);
+      const onPicture = ground !== "plain";
+      canvas.style.background = onPicture ? "#000" : "";
+      if (onPicture) drawPicture(context, pictures[ground]);
+      drawContent(context, onPicture, layers);
+      drawCross(context, onPicture);
+      drawFurniture(context, onPicture);
     }
 
-    function drawContent(context) {
-      const cutOf = (layer) => cutSlice(volumes[layer], data.size, cut, position[cut.through]);
+    function drawPicture(context, picture) {
+      context.fillStyle = "#000";
+      context.fillRect(0, 0, width * scale, height * scale);
+      if (!picture.voxels) return;
+      const place = (position[cut.through] + 0.5) / data.size[cut.through];
+      const slice = smoothed(sliceOfPicture(picture, cut, place, greysNow()));
+      context.imageSmoothingEnabled = true;
+      context.drawImage(slice, 0, 0, width * scale, height * scale);
+    }
+
+    /** In as many pixels as are seen: on paper browsers leave the smoothing to the printer. */
+    function smoothed(slice) {
+      const fine = window.matchMedia("print").matches ? 3 : 1;
+      const large = element("canvas", { width: fine * canvas.width, height: fine * canvas.height });
+      const context = large.getContext("2d");
+      context.imageSmoothingQuality = "high";
+      context.drawImage(slice, 0, 0, large.width, large.height);
+      return large;
+    }
+
+    function drawContent(context, onPicture, layers) {
       const sx = scale * data.spacing_mm[cut.column], sy = scale * data.spacing_mm[cut.row];
-      context.imageSmoothingEnabled = false;
-      if (shown.reference) {
-        const picture = areasOf(cutOf("reference"), colours);
+      context.globalAlpha = onPicture ? tone["line strength"] : 1;
+      if (layers.reference && !onPicture) {
+        const slice = cutSlice(volumes.reference, data.size, cut, position[cut.through]);
+        const picture = areasOf(slice, colours);
+        context.imageSmoothingEnabled = false;
         context.drawImage(picture, 0, 0, sx * picture.width, sy * picture.height);
       }
       context.lineCap = "round";
-      for (const [layer, lineWidth] of [["target", 3.2], ["warped", 1.5]]) {
-        if (!shown[layer]) continue;
-        context.lineWidth = lineWidth;
-        for (const [outline, colour] of outlinesOf(layer)) {
+      const thick = { target: onPicture ? 2.2 : 3.2, warped: 1.5, reference: 1.5 };
+      for (const layer of onPicture ? ["target", "reference", "warped"] : ["target", "warped"]) {
+        if (!layers[layer]) continue;
+        for (const [outline, colour] of outlinesOf(layer, onPicture)) {
           // Stretched to mm first, so that lines keep one width in both directions.
           const path = new Path2D();
           path.addPath(outline, new DOMMatrix([sx, 0, 0, sy, 0, 0]));
-          context.strokeStyle = layer === "target" ? themeColour("target") : colour;
-          context.stroke(path);
+          if (onPicture) strokeOf(path, thick[layer] + 1.4, "rgb(0 0 0 / .5)");
+          const ink = onPicture ? "#fff" : themeColour("target");
+          strokeOf(path, thick[layer], layer === "target" ? ink : colour);
         }
+      }
+      context.globalAlpha = 1;
+
+      function strokeOf(path, lineWidth, colour) {
+        context.lineWidth = lineWidth;
+        context.strokeStyle = colour;
+        context.stroke(path);
       }
     }
 
-    /** Pairs of path and colour. */
-    function outlinesOf(layer) {
+    /** Pairs of path and colour. On pictures organs without a surface (the fixed ones) have some, too. */
+    function outlinesOf(layer, onPicture) {
       const at = position[cut.through];
-      if (smooth) return surfaces[layer].map((s) => [cutOfSurface(s, cut, data.size, at), s.colour]);
-      const slice = cutSlice(volumes[layer], data.size, cut, at);
-      return data.organs.map((organ, i) => [outlineOf(slice, i + 1), organ.colour]);
+      const ofVoxels = (organs) => {
+        const slice = cutSlice(volumes[layer], data.size, cut, at);
+        return organs.map((organ) => [outlineOf(slice, organ.value), organ.colour]);
+      };
+      if (!smooth) return ofVoxels(data.organs.map((organ, i) => ({ ...organ, value: i + 1 })));
+      return surfaces[layer].map((s) => [cutOfSurface(s, cut, data.size, at), s.colour])
+        .concat(onPicture ? ofVoxels(withoutSurface) : []);
     }
 
-    function drawCross(context) {
+    function drawCross(context, onPicture) {
       const row = cut.rowsUp ? data.size[cut.row] - 1 - position[cut.row] : position[cut.row];
       const x = (position[cut.column] + 0.5) * scale * data.spacing_mm[cut.column];
       const y = (row + 0.5) * scale * data.spacing_mm[cut.row];
-      context.strokeStyle = themeColour("accent");
+      context.strokeStyle = onPicture ? "#9cf" : themeColour("accent");
       context.globalAlpha = 0.35;
       context.lineWidth = 1;
       context.beginPath();
@@ -237,10 +394,13 @@ function startSliceViewer(data, surfaceData) {
       context.globalAlpha = 1;
     }
 
-    function drawFurniture(context) {
+    function drawFurniture(context, onPicture) {
       const w = width * scale, h = height * scale;
+      const ink = onPicture ? "#fff" : themeColour("soft");
+      context.shadowColor = "#000";
+      context.shadowBlur = onPicture ? 3 : 0;
       context.font = "600 12px system-ui, sans-serif";
-      context.fillStyle = themeColour("soft");
+      context.fillStyle = ink;
       context.textBaseline = "middle";
       context.textAlign = "left";
       context.fillText(cut.letters[0], 6, h / 2);
@@ -250,7 +410,8 @@ function startSliceViewer(data, surfaceData) {
       context.fillText(cut.letters[2], w / 2, 11);
       context.fillText(cut.letters[3], w / 2, h - 9);
       context.font = "11px system-ui, sans-serif";
-      drawScaleBar(context, scale, 8, h - 8, Math.min(w / 3, 90));
+      drawScaleBar(context, scale, 8, h - 8, Math.min(w / 3, 90), ink);
+      context.shadowBlur = 0;
     }
 
     return { draw };

@@ -20,9 +20,10 @@ protected:
     }
 
     /// The page as it is after its scripts have run.
-    std::string opened(const RecoveryResult& result, const std::string& flags) {
+    std::string opened(const RecoveryResult& result, const std::string& flags,
+                       const GreyImages& images = {}) {
         const std::filesystem::path page = folder / "report.html";
-        std::ofstream(page) << html_report(result);
+        std::ofstream(page) << html_report(result, false, images);
         const std::string command = "HOME='" + folder.string() +
                                     "' timeout 100 chromium --headless --no-sandbox --disable-gpu "
                                     "--disable-dev-shm-usage --virtual-time-budget=5000 " +
@@ -60,6 +61,21 @@ TEST_F(ReportInBrowser, SaysSoWhereWebGlIsMissingAndKeepsTheSlices) {
     EXPECT_NE(first_tag(page).find("data-webgl=\"no\""), std::string::npos) << first_tag(page);
     EXPECT_NE(page.find("id=\"no-webgl\">"), std::string::npos) << "the message is still hidden";
     EXPECT_NE(page.find("slice 16 / 38"), std::string::npos);
+}
+
+TEST_F(ReportInBrowser, UnpacksBothImagesAndOffersThem) {
+    const RecoveryResult result = synthetic_result();
+    Image<float> image{result.target_labels_aligned.grid, {}};
+    for (const auto label : result.target_labels_aligned.voxels) image.voxels.push_back(label);
+
+    const std::string page = opened(result, with_webgl, {&image, &image});
+
+    EXPECT_NE(first_tag(page).find("data-report=\"ready\""), std::string::npos) << first_tag(page);
+    EXPECT_NE(first_tag(page).find("data-pictures=\"ready\""), std::string::npos)
+        << first_tag(page);
+    EXPECT_EQ(first_tag(page).find("data-error"), std::string::npos) << first_tag(page);
+    EXPECT_NE(page.find("aria-pressed=\"true\">target image<"), std::string::npos);
+    EXPECT_NE(page.find("aria-pressed=\"false\">reference image<"), std::string::npos);
 }
 
 TEST_F(ReportInBrowser, NamesFullOfMarkupRunNothing) {

@@ -152,13 +152,18 @@ std::uint16_t label_at(const Vec3& x) {
     return 0;
 }
 
-/// The reference labels as they look after `part` of the displacement (inverted approximately).
+RigidTransform alignment() {
+    return {Eigen::AngleAxisd(0.02, Vec3::UnitZ()).toRotationMatrix(), Vec3(1.27, 0.71, -0.22)};
+}
+
+/// The reference labels as they look in the target's frame after `part` of the displacement
+/// (inverted approximately).
 LabelImage labels(double part) {
     LabelImage image{grid(), {}};
     for (Index k = 0; k < image.grid.size[2]; ++k)
         for (Index j = 0; j < image.grid.size[1]; ++j)
             for (Index i = 0; i < image.grid.size[0]; ++i) {
-                const Vec3 y = image.grid.to_point(Vec3(i, j, k));
+                const Vec3 y = alignment().inverse().apply(image.grid.to_point(Vec3(i, j, k)));
                 Vec3 x = y;
                 for (int step = 0; step < 2; ++step) x = y - part * true_displacement(x);
                 const bool fixed = label_at(y) == 6;
@@ -278,9 +283,7 @@ RecoveryResult synthetic_result() {
     add_search(r);
     add_settings(r);
     r.alignment.method = "fixed";
-    r.alignment.reference_to_target.rotation =
-        Eigen::AngleAxisd(0.02, Vec3::UnitZ()).toRotationMatrix();
-    r.alignment.reference_to_target.translation = Vec3(1.27, 0.71, -0.22);
+    r.alignment.reference_to_target = alignment();
     r.alignment.mean_distance_mm = 0.21;
     r.mesher = {"TetGen 1.5.0", "", {}, 6.3};
     r.mesher.quality.min_dihedral_deg = 8.4;
