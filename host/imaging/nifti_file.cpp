@@ -28,7 +28,7 @@ struct Format {
 };
 
 // Displacements as integers with a scale would be smaller still: ITK 5.4 crashes on such vectors.
-Format format_of(NiftiNumbers numbers) {
+Format codes_of(NiftiNumbers numbers) {
     switch (numbers) {
         case NiftiNumbers::bytes:
             return {2, 8, 1};
@@ -115,7 +115,7 @@ void write_bytes(const std::filesystem::path& path, std::span<const std::uint8_t
 }  // namespace
 
 NiftiFile::NiftiFile(const ImageGrid& grid, NiftiNumbers numbers) {
-    const Format format = format_of(numbers);
+    const Format format = codes_of(numbers);
     size_ = numbers_offset + grid.num_voxels() * static_cast<std::size_t>(format.components) *
                                  static_cast<std::size_t>(format.bits / 8);
     bytes_ = std::make_unique_for_overwrite<std::uint8_t[]>(size_);
