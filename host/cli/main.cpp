@@ -51,7 +51,8 @@ int parse_and_run(int argc, char** argv) {
     CLI::App app{
         "Computational palpation: stiffness, forces and deformation from two segmentations"};
     app.name("palpate");
-    app.set_version_flag("--version", "palpate " + palpate::version_text());
+    app.set_version_flag("--version",
+                         "palpate " + palpate::version_text() + "\n" + palpate::build_text());
     app.require_subcommand(1);
     app.footer(
         "Exit codes: 0 ok, 1 internal, 2 usage, 3 unreadable input, 4 unusable input, 5 meshing,\n"

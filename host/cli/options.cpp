@@ -3,6 +3,7 @@
 #include "host/cli/options.hpp"
 
 #include "solver/backend/registry.hpp"
+#include "solver/linear/sparse_factor.hpp"
 
 namespace palpate {
 namespace {
@@ -17,6 +18,12 @@ LinearMethod method_named(const std::string& name) {
 std::vector<std::string> backend_choices() {
     std::vector<std::string> choices = {"auto"};
     for (const BackendEntry& entry : backend_registry()) choices.push_back(entry.name);
+    return choices;
+}
+
+std::vector<std::string> factorisation_choices() {
+    std::vector<std::string> choices = {"auto"};
+    for (const std::string& name : sparse_factor_names()) choices.push_back(name);
     return choices;
 }
 
@@ -50,6 +57,12 @@ void add_solver_options(CLI::App& command, SolverArguments& arguments) {
                     "many columns, small meshes)")
         ->check(CLI::IsMember({"auto", "multigrid", "jacobi", "direct"}))
         ->capture_default_str();
+    command
+        .add_option("--factorisation", arguments.factorisation,
+                    "Library of direct solves: auto (the first of these), or one of this build: "
+                    "mumps, cholmod (GPL), eigen (slow)")
+        ->check(CLI::IsMember(factorisation_choices()))
+        ->capture_default_str();
 }
 
 void add_mesher_options(CLI::App& command, MesherArguments& arguments) {
@@ -80,6 +93,7 @@ LinearSolverOptions solver_options(const SolverArguments& arguments) {
          {Product::automatic, Product::assembled, Product::matrix_free, Product::recomputed})
         if (name_of(product) == arguments.product) options.device.product = product;
     options.method = method_named(arguments.linear_solver);
+    if (arguments.factorisation != "auto") options.direct_library = arguments.factorisation;
     make_backend(options.backend, options.device);  // a missing device is told before any work
     return options;
 }

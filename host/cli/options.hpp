@@ -18,6 +18,7 @@ struct SolverArguments {
     std::string precision = "single";
     std::string product = "auto";
     std::string linear_solver = "auto";
+    std::string factorisation = "auto";
 };
 
 struct MesherArguments {

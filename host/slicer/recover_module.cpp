@@ -118,8 +118,11 @@ void write_module_outputs(const ModuleArguments& arguments, const RecoveryResult
     outputs.write("model", [&](const path& file) { write_vtk_report(result, file); });
     outputs.write("report",
                   [&](const path& file) { write_text_file(file, html_report(result, false)); });
-    if (const std::string& folder = arguments.text("resultFolder"); !folder.empty())
-        write_result(result, folder, {.overwrite = true});
+    if (const std::string& folder = arguments.text("resultFolder"); !folder.empty()) {
+        ResultOptions options;
+        options.overwrite = true;
+        write_result(result, folder, options);
+    }
     outputs.finish();
 }
 

@@ -25,4 +25,5 @@ function(palpate_check_headers target)
   endforeach()
   add_library(${target} OBJECT ${units})
   target_link_libraries(${target} PRIVATE palpate_options ${CHECK_LINKS})
+  target_compile_options(${target} PRIVATE -O0)    # read, not run
 endfunction()

@@ -21,21 +21,25 @@ function(palpate_precompile target)
   target_precompile_headers(${target} PRIVATE ${PRECOMPILE_HEADERS})
 endfunction()
 
-# palpate_quick_build(<target> [precompiled]): without a second name no compiled headers.
-function(palpate_quick_build target)
+# palpate_quick_build(<target> <precompiled> [ONE_BY_ONE]): ONE_BY_ONE where sources of a folder use the
+# same words, each for itself, as tests and studies do.
+function(palpate_quick_build target precompiled)
   if(NOT PALPATE_QUICK_BUILD)
     return()
   endif()
-  set_target_properties(${target} PROPERTIES
-    UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${palpate_sources_together})
-  if(ARGC GREATER 1)
-    target_precompile_headers(${target} REUSE_FROM ${ARGV1})
+  target_precompile_headers(${target} REUSE_FROM ${precompiled})
+  if(NOT "ONE_BY_ONE" IN_LIST ARGN)
+    set_target_properties(${target} PROPERTIES
+      UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${palpate_sources_together})
   endif()
 endfunction()
 
+# GCC 12 forgets which precompiled headers are a system's, and tells of bounds inside std::string.
 if(PALPATE_QUICK_BUILD)
+  string(JOIN ";" precompiling_options -fpch-preprocess -Winvalid-pch
+    -Wno-array-bounds -Wno-restrict -Wno-stringop-overread)
   target_compile_options(palpate_options INTERFACE
-    "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess;-Winvalid-pch>")
+    "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:${precompiling_options}>")
 endif()
 
 set(palpate_common_headers

@@ -21,14 +21,19 @@ target_link_libraries(palpate_options INTERFACE
 target_compile_options(palpate_options INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:-fPIC>")
 include(PalpateQuickBuild)
 
-# palpate_layer(<name> [SOURCES a.cpp ...] [LINKS target ...]): one folder, one target named
-# palpate_<name>. Without sources it is header only. Links are the layers it may include.
+# palpate_layer(<name> [ONE_BY_ONE|PLAIN] [SOURCES a.cpp ...] [LINKS target ...]): one folder, one
+# target named palpate_<name>. Without sources it is header only. Links are the layers it may include.
+# Sources are compiled as palpate_quick_build says; PLAIN: without precompiled headers, too.
 function(palpate_layer name)
-  cmake_parse_arguments(LAYER "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(LAYER "ONE_BY_ONE;PLAIN" "" "SOURCES;LINKS" ${ARGN})
   if(LAYER_SOURCES)
     add_library(palpate_${name} STATIC ${LAYER_SOURCES})
     target_link_libraries(palpate_${name} PUBLIC palpate_options ${LAYER_LINKS})
-    palpate_quick_build(palpate_${name} palpate_precompiled)
+    if(LAYER_ONE_BY_ONE)
+      palpate_quick_build(palpate_${name} palpate_precompiled ONE_BY_ONE)
+    elseif(NOT LAYER_PLAIN)
+      palpate_quick_build(palpate_${name} palpate_precompiled)
+    endif()
   else()
     add_library(palpate_${name} INTERFACE)
     target_link_libraries(palpate_${name} INTERFACE palpate_options ${LAYER_LINKS})
@@ -41,7 +46,7 @@ function(palpate_test name)
   cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE palpate_test_fixtures ${TEST_LINKS} GTest::gtest_main)
-  palpate_quick_build(${name} palpate_precompiled_tests)
+  palpate_quick_build(${name} palpate_precompiled_tests ONE_BY_ONE)
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)
   endif()

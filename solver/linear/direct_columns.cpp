@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <optional>
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
@@ -61,14 +62,15 @@ LinearSolverSummary DirectColumns::solve(const Columns& b, Columns& x,
                         " degrees of freedom.");
     x.resize(b.rows(), b.cols());
     const Index columns = static_cast<Index>(b.cols());
-    const Index per_thread = (columns + num_host_threads() - 1) / num_host_threads();
-    const Index width = factor_->block_width(per_thread);
+    const Index threads = factor_->brings_threads() ? 1 : num_host_threads();
+    const Index width = factor_->block_width((columns + threads - 1) / threads);
     const Index batches = (columns + width - 1) / width;
     LinearSolverSummary summary;
     std::mutex merge;
     std::atomic<Index> next{0};
-    const SerialBlas serial;
-    parallel_ranges(batches, 1, [&](Index, Index) {
+    std::optional<SerialBlas> serial;
+    if (threads > 1) serial.emplace();
+    parallel_ranges(threads > 1 ? batches : 1, 1, [&](Index, Index) {
         for (Index batch = next++; batch < batches; batch = next++) {
             const Index first = batch * width;
             const LinearSolverSummary part =

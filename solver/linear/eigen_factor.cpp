@@ -9,23 +9,23 @@
 namespace palpate {
 namespace {
 
-constexpr Index width = 16;  ///< columns that share one pass over the factor: two cache lines
+constexpr Index pass_width = 16;  ///< columns that share one pass over the factor: two cache lines
 
-/// x := L^-1 x for the unit lower triangle L in compressed columns; x [n, width]. Columns of L that
-/// meet a zero row of x are skipped.
+/// x := L^-1 x for the unit lower triangle L in compressed columns; x [n, pass_width]. Columns of L
+/// that meet a zero row of x are skipped.
 PALPATE_MULTIVERSION
 void solve_lower(Index n, const int* offset, const int* row, const double* value, double* x) {
     for (Index j = 0; j < n; ++j) {
-        double xj[width];
+        double xj[pass_width];
         bool is_zero = true;
-        for (Index c = 0; c < width; ++c) {
-            xj[c] = x[static_cast<std::size_t>(j) * width + c];
+        for (Index c = 0; c < pass_width; ++c) {
+            xj[c] = x[static_cast<std::size_t>(j) * pass_width + c];
             is_zero = is_zero && xj[c] == 0;
         }
         if (is_zero) continue;
         for (int p = offset[j]; p < offset[j + 1]; ++p) {
-            double* xi = x + static_cast<std::size_t>(row[p]) * width;
-            for (Index c = 0; c < width; ++c) xi[c] -= value[p] * xj[c];
+            double* xi = x + static_cast<std::size_t>(row[p]) * pass_width;
+            for (Index c = 0; c < pass_width; ++c) xi[c] -= value[p] * xj[c];
         }
     }
 }
@@ -35,13 +35,15 @@ PALPATE_MULTIVERSION
 void solve_lower_transposed(Index n, const int* offset, const int* row, const double* value,
                             double* x) {
     for (Index j = n - 1; j >= 0; --j) {
-        double xj[width];
-        for (Index c = 0; c < width; ++c) xj[c] = x[static_cast<std::size_t>(j) * width + c];
+        double xj[pass_width];
+        for (Index c = 0; c < pass_width; ++c)
+            xj[c] = x[static_cast<std::size_t>(j) * pass_width + c];
         for (int p = offset[j]; p < offset[j + 1]; ++p) {
-            const double* xi = x + static_cast<std::size_t>(row[p]) * width;
-            for (Index c = 0; c < width; ++c) xj[c] -= value[p] * xi[c];
+            const double* xi = x + static_cast<std::size_t>(row[p]) * pass_width;
+            for (Index c = 0; c < pass_width; ++c) xj[c] -= value[p] * xi[c];
         }
-        for (Index c = 0; c < width; ++c) x[static_cast<std::size_t>(j) * width + c] = xj[c];
+        for (Index c = 0; c < pass_width; ++c)
+            x[static_cast<std::size_t>(j) * pass_width + c] = xj[c];
     }
 }
 
@@ -66,14 +68,14 @@ public:
     }
 
     const std::vector<int>& position() const override { return position_; }
-    Index block_width(Index) const override { return width; }
+    Index block_width(Index) const override { return pass_width; }
 
     void solve(FactorBlock& x) const override {
         const auto& lower = factor_.matrixL().nestedExpression();
         const Index n = static_cast<Index>(position_.size());
         solve_lower(n, lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(), x.data());
-        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, width, Eigen::RowMajor>>(x.data(), n,
-                                                                                  width)
+        Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, pass_width, Eigen::RowMajor>>(x.data(), n,
+                                                                                       pass_width)
             .array()
             .colwise() /= factor_.vectorD().array();
         solve_lower_transposed(n, lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(),

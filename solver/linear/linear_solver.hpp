@@ -31,7 +31,7 @@ struct LinearSolverOptions {
     LinearMethod method = LinearMethod::automatic;
     Index expected_columns = 1;        ///< right-hand sides to be solved per set of moduli: what
                                        ///< `automatic` weighs the set-up against
-    std::string direct_library;        ///< "cholmod", "eigen"; empty: the first that the build has
+    std::string direct_library;        ///< of `sparse_factor_names`; empty: the first of them
     double relative_tolerance = 1e-8;  ///< on |b - K x| / |b|, per column, checked in fp64
     int max_iterations = 20000;        ///< of CG, per refinement step
     int max_refinements = 12;          ///< fp64 refinement steps round the device solve

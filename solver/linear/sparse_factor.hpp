@@ -50,8 +50,11 @@ public:
     virtual const std::vector<int>& position() const = 0;
     /// How wide the blocks for `columns` right-hand sides of one thread should be: at least 1.
     virtual Index block_width(Index columns) const = 0;
-    /// x := A^-1 x on one thread, any number of threads at a time. Rows of zeros at the head of the
-    /// order are skipped: right-hand sides of few entries are cheap.
+    /// Whether one call of `solve` uses all cores, through BLAS, and others wait for it: batches
+    /// are then better solved one after the other, without a SerialBlas.
+    virtual bool brings_threads() const { return false; }
+    /// x := A^-1 x, from any number of threads at a time. Right-hand sides of few entries are
+    /// cheap: what they do not reach on the way down the factor is skipped.
     virtual void solve(FactorBlock& x) const = 0;
 
 protected:
@@ -59,7 +62,7 @@ protected:
     static void require_definite(bool finished, double smallest_pivot, double largest_pivot);
 };
 
-/// "cholmod", "eigen": the libraries compiled into this build, in order of preference.
+/// "mumps", "cholmod", "eigen": the libraries compiled into this build, in order of preference.
 const std::vector<std::string>& sparse_factor_names();
 
 /// `name` empty: the first of the list. Throws Error(unsupported) naming those that there are.

@@ -49,7 +49,7 @@ def test_its_exit_codes_are_those_of_the_program(descriptor):
 
 
 def test_its_version_is_that_of_the_program(descriptor):
-    assert f"palpate {descriptor['tool-version']}" == run_palpate("--version").stdout.strip()
+    assert f"palpate {descriptor['tool-version']}" == run_palpate("--version").stdout.splitlines()[0]
 
 
 @pytest.mark.skipif(not BOSH, reason="Boutiques is not installed: scripts/python installs it")

@@ -13,25 +13,28 @@
 namespace palpate {
 namespace {
 
-constexpr int modes = 6;
+constexpr int modes_per_node = 6;
 
-/// c += alpha a b with a [M, K], b [K, modes], c [M, modes].
+/// c += alpha a b with a [M, K], b [K, modes_per_node], c [M, modes_per_node].
 template <int M, int K>
 PALPATE_ALWAYS_INLINE void add_product(double alpha, const double* a, const double* b, double* c) {
     for (int i = 0; i < M; ++i)
         for (int k = 0; k < K; ++k) {
             const double aik = alpha * a[K * i + k];
-            for (int j = 0; j < modes; ++j) c[modes * i + j] += aik * b[modes * k + j];
+            for (int j = 0; j < modes_per_node; ++j)
+                c[modes_per_node * i + j] += aik * b[modes_per_node * k + j];
         }
 }
 
-/// c += a^T b with a [M, modes], b [M, modes], c [modes, modes].
+/// c += a^T b with a [M, modes_per_node], b [M, modes_per_node], c [modes_per_node,
+/// modes_per_node].
 template <int M>
 PALPATE_ALWAYS_INLINE void add_transposed_product(const double* a, const double* b, double* c) {
     for (int k = 0; k < M; ++k)
-        for (int i = 0; i < modes; ++i) {
-            const double aki = a[modes * k + i];
-            for (int j = 0; j < modes; ++j) c[modes * i + j] += aki * b[modes * k + j];
+        for (int i = 0; i < modes_per_node; ++i) {
+            const double aki = a[modes_per_node * k + i];
+            for (int j = 0; j < modes_per_node; ++j)
+                c[modes_per_node * i + j] += aki * b[modes_per_node * k + j];
         }
 }
 
@@ -62,7 +65,7 @@ PALPATE_ALWAYS_INLINE void smooth_rows_of(const BlockMatrix& a, Index first, Ind
                                           const double* inverse_diagonal, double omega,
                                           const Index* of_node, const double* tentative,
                                           BlockMatrix& p) {
-    constexpr std::size_t size = B * modes;
+    constexpr std::size_t size = B * modes_per_node;
     for (Index n = first; n < last; ++n) {
         const Index begin = p.graph.offsets[n], end = p.graph.offsets[n + 1];
         if (begin == end) continue;
@@ -89,7 +92,7 @@ PALPATE_ALWAYS_INLINE void smooth_rows_of(const BlockMatrix& a, Index first, Ind
 template <int B>
 PALPATE_ALWAYS_INLINE void prolongation_product_of(const BlockMatrix& a, const BlockMatrix& p,
                                                    Index first, Index last, BlockMatrix& c) {
-    constexpr std::size_t size = B * modes;
+    constexpr std::size_t size = B * modes_per_node;
     for (Index n = first; n < last; ++n) {
         const Index begin = c.graph.offsets[n], end = c.graph.offsets[n + 1];
         if (begin == end) continue;
@@ -109,8 +112,8 @@ template <int B>
 PALPATE_ALWAYS_INLINE void restriction_product_of(const BlockMatrix& p, const Adjacency& members,
                                                   const Index* entries, const BlockMatrix& c,
                                                   Index first, Index last, BlockMatrix& coarse) {
-    constexpr std::size_t size = B * modes;
-    constexpr std::size_t coarse_size = modes * modes;
+    constexpr std::size_t size = B * modes_per_node;
+    constexpr std::size_t coarse_size = modes_per_node * modes_per_node;
     std::vector<Index> position(coarse.num_columns, -1);
     for (Index row = first; row < last; ++row) {
         const Index begin = coarse.graph.offsets[row], end = coarse.graph.offsets[row + 1];

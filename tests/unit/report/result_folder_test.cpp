@@ -131,8 +131,11 @@ TEST_F(ResultFolder, WithoutAResultIsNeverReplaced) {
 
     const std::string message = refusal([&] { check_result_folder(folder / "thesis", true); });
 
+    ResultOptions over_it;
+    over_it.overwrite = true;
+
     EXPECT_TRUE(holds(message, "no result of palpate")) << message;
-    EXPECT_THROW(write_result(synthetic_result(), folder / "thesis", {true, false}), Error);
+    EXPECT_THROW(write_result(synthetic_result(), folder / "thesis", over_it), Error);
     EXPECT_EQ(content_of(folder / "thesis" / "chapter.txt"), "years of work");
 }
 
