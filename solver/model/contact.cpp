@@ -19,9 +19,11 @@ void check_direction(const Obstacle& obstacle, Formulation formulation) {
     if (formulation == Formulation::solid) return;
     const bool is_plane = obstacle.shape == ObstacleShape::plane;
     const double across = std::abs(obstacle.direction.normalized().z());
-    if (is_plane && across > 0) refuse_obstacle("of a plane mesh is a plane whose normal leaves it");
+    if (is_plane && across > 0)
+        refuse_obstacle("of a plane mesh is a plane whose normal leaves it");
     if (!is_plane && across < 1)
-        refuse_obstacle("of a plane mesh is a cylinder that does not stand across it: its direction is z");
+        refuse_obstacle(
+            "of a plane mesh is a cylinder that does not stand across it: its direction is z");
 }
 
 }  // namespace
@@ -62,8 +64,8 @@ void check_contact(const Contact& contact, const SolidMesh& mesh) {
     for (const Face& face : contact.faces)
         for (const Index node : face)
             if (node < 0 || node >= mesh.num_nodes())
-                refuse_obstacle("may touch a face with node " + std::to_string(node) + "; the mesh has " +
-                       std::to_string(mesh.num_nodes()));
+                refuse_obstacle("may touch a face with node " + std::to_string(node) +
+                                "; the mesh has " + std::to_string(mesh.num_nodes()));
 }
 
 }  // namespace palpate
