@@ -23,7 +23,7 @@ struct DirectCost {
 // 6.6k, 17.5k, 89k degrees of freedom: set-up 0.08, 0.28, 3.8 s; each of many columns on two
 // threads 0.4, 0.75, 8 ms.
 constexpr DirectCost cholmod_cost{0.196, 0.104, 2, 0.8e-3};
-// 6.6k, 17.5k, 89k: @MUMPS@
+// 6.6k, 17.5k, 89k: close to the numbers of CHOLMOD, not measured one by one.
 constexpr DirectCost mumps_cost{0.2, 0.11, 2, 0.95e-3};
 // 6.6k, 17.5k: set-up 0.36, 3.5 s; each of many columns 0.9, 2.7 ms.
 constexpr DirectCost eigen_cost{0, 3.6, 2.4, 2.7e-3};
