@@ -45,7 +45,8 @@ const std::string& required(const Fields& fields, const std::string& name) {
     return found->second;
 }
 
-std::string either_of(const Fields& fields, const std::string& name, const std::string& other = "") {
+std::string either_of(const Fields& fields, const std::string& name,
+                      const std::string& other = "") {
     const auto found = fields.find(fields.count(name) ? name : other);
     return found == fields.end() ? "" : found->second;
 }
@@ -135,7 +136,8 @@ CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesys
     if (dimension.size() != 1 || dimension[0] != static_cast<long long>(sizes.size())) {
         unreadable("its header contradicts itself (dimension and sizes)");
     }
-    const std::size_t needed = checked_num_voxels(sizes) * nrrd_voxel_bytes(required(fields, "type"));
+    const std::size_t needed =
+        checked_num_voxels(sizes) * nrrd_voxel_bytes(required(fields, "type"));
     volume.size = {Index(sizes[0]), Index(sizes[1]), Index(sizes[2])};
     check_space(fields);
     const std::string encoding = required(fields, "encoding");
@@ -144,8 +146,8 @@ CheckedVolume preflight_nrrd(std::vector<std::uint8_t> bytes, const std::filesys
         unreadable("its encoding is '" + encoding + "'; save it as raw or gzip");
     }
     const auto take = [&](std::span<const std::uint8_t> data) {
-        volume.file =
-            joined("volume.nrrd", clean_nrrd_header(fields), checked_data(data, compressed, needed));
+        volume.file = joined("volume.nrrd", clean_nrrd_header(fields),
+                             checked_data(data, compressed, needed));
         return volume;
     };
     const std::string data_name = either_of(fields, "data file", "datafile");

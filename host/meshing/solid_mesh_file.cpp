@@ -69,10 +69,10 @@ std::vector<vtkIdType> element_cells(const fs::path& path, vtkUnstructuredGrid& 
         const CellKind* kind = kind_of_cell(vtk_type);
         if (!kind || element_table(kind->type).dimension != dimension)
             unusable_mesh(path, "it holds cells of VTK type " + std::to_string(vtk_type) +
-                               "; this formulation takes " + wanted);
+                                    "; this formulation takes " + wanted);
         if (!cells.empty() && kind->type != type)
             unusable_mesh(path, "it mixes " + element_table(type).name + " and " +
-                               element_table(kind->type).name + "; give elements of one kind");
+                                    element_table(kind->type).name + "; give elements of one kind");
         type = kind->type;
         cells.push_back(c);
     }
@@ -92,7 +92,8 @@ std::vector<vtkIdType> take_elements(const fs::path& path, vtkUnstructuredGrid& 
         grid.GetCellPoints(c, size, nodes);
         if (size != mesh.table().num_nodes) unreadable_mesh(path, "an element lacks nodes");
         for (vtkIdType k = 0; k < size; ++k) {
-            if (nodes[k] < 0 || nodes[k] >= num_points) unreadable_mesh(path, "a node is out of range");
+            if (nodes[k] < 0 || nodes[k] >= num_points)
+                unreadable_mesh(path, "a node is out of range");
             Index& node = number[static_cast<std::size_t>(nodes[k])];
             if (node < 0) {
                 node = mesh.num_nodes();
@@ -143,7 +144,8 @@ void take_labels(const fs::path& path, vtkUnstructuredGrid& grid,
     for (const vtkIdType cell : cells) {
         const double value = array->GetComponent(cell, 0);
         if (!(value >= 0 && value <= 65535) || value != std::floor(value))
-            unusable_mesh(path, "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
+            unusable_mesh(path,
+                          "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
         mesh.region.push_back(static_cast<Index>(value));
     }
 }

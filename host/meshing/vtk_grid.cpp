@@ -68,7 +68,7 @@ void check_numbers_of_types(const fs::path& path) {
     }
     if (num_cells >= 0 && num_types >= 0 && num_cells != num_types)
         unreadable_mesh(path,
-                   fmt::format("it has {} cells but {} types of cells", num_cells, num_types));
+                        fmt::format("it has {} cells but {} types of cells", num_cells, num_types));
 }
 
 }  // namespace

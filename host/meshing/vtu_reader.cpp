@@ -34,13 +34,14 @@ void take_tets(const fs::path& path, vtkUnstructuredGrid& grid, Mesh& mesh, Kept
         if (type != VTK_TETRA) {
             if (type == VTK_VERTEX || type == VTK_LINE || type == VTK_TRIANGLE) continue;
             unusable_mesh(path, "it holds cells of VTK type " + std::to_string(type) +
-                               "; only linear tetrahedra are taken");
+                                    "; only linear tetrahedra are taken");
         }
         grid.GetCellPoints(c, size, nodes);
         if (size != 4) unreadable_mesh(path, "a tetrahedron does not have 4 nodes");
         Tet tet{};
         for (int k = 0; k < 4; ++k) {
-            if (nodes[k] < 0 || nodes[k] >= num_points) unreadable_mesh(path, "a node is out of range");
+            if (nodes[k] < 0 || nodes[k] >= num_points)
+                unreadable_mesh(path, "a node is out of range");
             Index& n = number[static_cast<std::size_t>(nodes[k])];
             if (n < 0) n = 0;
             tet[k] = static_cast<Index>(nodes[k]);
@@ -74,13 +75,15 @@ void take_regions(const fs::path& path, vtkUnstructuredGrid& grid, const std::st
                   Mesh& mesh, const Kept& kept) {
     vtkDataArray* array = grid.GetCellData()->GetArray(name.c_str());
     if (!array)
-        unusable_mesh(path, "it has no cell array '" + name + "' that holds the label of each cell");
+        unusable_mesh(path,
+                      "it has no cell array '" + name + "' that holds the label of each cell");
     if (array->GetNumberOfComponents() != 1 || array->GetNumberOfTuples() < grid.GetNumberOfCells())
         unusable_mesh(path, "its cell array '" + name + "' does not hold one number per cell");
     for (vtkIdType cell : kept.cells) {
         const double value = array->GetComponent(cell, 0);
         if (!(value >= 0 && value <= 65535) || value != std::floor(value))
-            unusable_mesh(path, "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
+            unusable_mesh(path,
+                          "its cell array '" + name + "' must hold whole numbers from 0 to 65535");
         mesh.region.push_back(static_cast<Index>(value));
     }
 }

@@ -326,7 +326,8 @@ std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model
                                          const ProgressSink& progress) {
     check_state(state, model);
     const auto tangent = [&](const SubModel& sub, const LinearSolverOptions& solver) {
-        return make_tangent_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes), solver);
+        return make_tangent_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes),
+                                   solver);
     };
     return condense_regions(model, observed, driven, tangent, options, summary, progress);
 }
@@ -337,7 +338,8 @@ std::vector<CondensedRegion> region_forces(const DeformedState& state, const Mod
     check_state(state, model);
     std::vector<CondensedRegion> result;
     for (SubModel& sub : observed_regions(model, observed, driven)) {
-        set_force(sub, force_of_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes)));
+        set_force(sub,
+                  force_of_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes)));
         result.push_back(std::move(sub.block));
     }
     return result;

@@ -15,10 +15,10 @@
 namespace palpate {
 namespace {
 
-constexpr double hopeless_ratio = 5;          // of a product's time to the best so far
-constexpr double kernel_load_seconds = 0.3;   // at most, from the folder of compiled programs
+constexpr double hopeless_ratio = 5;         // of a product's time to the best so far
+constexpr double kernel_load_seconds = 0.3;  // at most, from the folder of compiled programs
 constexpr std::size_t max_forces_bytes = std::size_t(256) << 20;
-constexpr Index element_reals = 10;         // ELEMENT_REALS of elements/tet4.cl
+constexpr Index element_reals = 10;  // ELEMENT_REALS of elements/tet4.cl
 constexpr Index tets_per_chunk_cpu = 512;
 constexpr Index tets_per_chunk_gpu = 32;
 

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-constexpr int entries_at_a_time = 4;          // of H, in one vector of a CPU: 1 and 8 are slower
+constexpr int entries_at_a_time = 4;  // of H, in one vector of a CPU: 1 and 8 are slower
 
 /// The numbers of the law's materials, [num_materials, LAW_COEFFICIENTS]; zeros for materials of
 /// other laws, which no element of the law has.
