@@ -38,6 +38,9 @@ endif()
 if(PALPATE_WITH_MUMPS)
   find_path(MUMPS_INCLUDE_DIR dmumps_c.h REQUIRED)
   find_library(MUMPS_LIBRARY dmumps_seq REQUIRED)    # without MPI
+  find_path(SCOTCH_INCLUDE_DIR scotch/scotch.h REQUIRED)
+  find_library(SCOTCH_LIBRARY scotch REQUIRED)
+  find_library(SCOTCHERR_LIBRARY scotcherr REQUIRED)  # what SCOTCH calls when it must say something
 endif()
 if(PALPATE_WITH_CHOLMOD)
   find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "solver/base/error.hpp"
+#include "solver/linear/dissected_order.hpp"
 
 namespace palpate {
 namespace {
@@ -37,7 +38,7 @@ enum Control : int {
 };
 enum Info : int { status = 1, status_detail = 2, num_negative_pivots = 12 };
 enum Job : int { initialise = -1, finish = -2, analyse = 1, factorise = 2, solve = 3 };
-constexpr int symmetric_definite = 1, scotch = 3, this_process = -987654;  // comm_fortran
+constexpr int symmetric_definite = 1, given_order = 1, this_process = -987654;  // comm_fortran
 
 std::mutex& one_call_at_a_time() {
     static std::mutex mutex;
@@ -54,7 +55,7 @@ public:
         for (int stream : {error_stream, diagnostic_stream, global_stream, print_level})
             control(stream) = 0;
         control(permutation) = 0;
-        control(ordering) = scotch;
+        control(ordering) = given_order;
         control(scaling) = 0;  // so that pivots are those of the matrix itself
         control(root_parallelism) = 1;
         control(solve_blocking) = columns_per_pass;
@@ -80,7 +81,11 @@ public:
         mumps_.nnz = static_cast<MUMPS_INT8>(row_.size());
         mumps_.irn = row_.data();
         mumps_.jcn = column_.data();
+        std::vector<int> order = dissected_order(matrix);
+        for (int& place : order) ++place;
+        mumps_.perm_in = order.data();
         call(Job::analyse);
+        mumps_.perm_in = nullptr;
         require_success();
     }
 

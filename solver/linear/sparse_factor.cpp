@@ -26,8 +26,8 @@ void SparseFactor::require_definite(bool finished, double smallest_pivot, double
 const std::vector<std::string>& sparse_factor_names() {
     static const std::vector<std::string> names = [] {
         std::vector<std::string> found;
-        if (has_cholmod()) found.push_back("cholmod");
         if (has_mumps()) found.push_back("mumps");
+        if (has_cholmod()) found.push_back("cholmod");
         found.push_back("eigen");
         return found;
     }();

@@ -62,7 +62,7 @@ protected:
     static void require_definite(bool finished, double smallest_pivot, double largest_pivot);
 };
 
-/// "cholmod", "mumps", "eigen": the libraries compiled into this build, in order of preference.
+/// "mumps", "cholmod", "eigen": the libraries compiled into this build, in order of preference.
 const std::vector<std::string>& sparse_factor_names();
 
 /// `name` empty: the first of the list. Throws Error(unsupported) naming those that there are.

@@ -250,6 +250,17 @@ TEST_P(LinearSolverContract, RepeatsItsAnswerBitForBit) {
     EXPECT_EQ(first, second);
 }
 
+TEST_P(LinearSolverContract, GivesTheSameBitsInASecondSolver) {
+    const Model model = fixtures::two_tissue_model({9, 9, 9});
+    const Columns b = random_columns(model.num_dofs(), 2, 8);
+    Columns first, second;
+
+    make(model)->solve(b, first);
+    make(model)->solve(b, second);
+
+    EXPECT_EQ(first, second);
+}
+
 INSTANTIATE_TEST_SUITE_P(EverySolver, LinearSolverContract, testing::ValuesIn(every_case()),
                          [](const auto& entry) { return entry.param.name; });
 
