@@ -193,12 +193,13 @@ void write_in_child(const std::function<void()>& write, std::size_t num_bytes) {
     }
 }
 
-void rehearse(const std::filesystem::path& path, const std::function<void()>& read) {
+void read_in_child(const std::filesystem::path& path, const std::function<void()>& read) {
     std::error_code failed;
     const std::uintmax_t size = std::filesystem::file_size(path, failed);
-    ReadingLimits limits;  // compressed files grow, and readers hold several copies
-    if (!failed)
-        limits.memory_bytes += 64 * std::min<std::uintmax_t>(size, std::uintmax_t(1) << 33);
+    const std::uintmax_t bytes = failed ? 0 : std::min<std::uintmax_t>(size, 8ull << 30);
+    ReadingLimits limits;
+    limits.memory_bytes += 64 * bytes;  // compressed files grow, and readers hold several copies
+    limits.seconds = 8 + static_cast<int>(bytes >> 20);
     try {
         run_in_child([&] { read_without_complaints(read); }, limits);
     } catch (const Error& error) {

@@ -40,16 +40,9 @@ void run_in_child(const std::function<void()>& work, const ReadingLimits& limits
 /// which print or crash when the disk is full. Throws Error(output_failed) if anything went wrong.
 void write_in_child(const std::function<void()>& write, std::size_t num_bytes);
 
-/// Runs `read` in a child and throws away what it has read.
-void rehearse(const std::filesystem::path& path, const std::function<void()>& read);
-
-/// For readers of other projects that may crash on a damaged file: reads it in a child first, and
-/// in this process only if that came through. Returns what `read` returns.
+/// Runs `read`, which reads `path` with the reader of another project, in a child. That may crash,
+/// complain, or write where it should not: what it reads must come here some other way.
 /// Throws what `read` throws; a crash becomes Error(input_unreadable) naming the file.
-template <typename Read>
-auto read_rehearsed(const std::filesystem::path& path, const Read& read) {
-    rehearse(path, [&] { read(); });
-    return read();
-}
+void read_in_child(const std::filesystem::path& path, const std::function<void()>& read);
 
 }  // namespace palpate

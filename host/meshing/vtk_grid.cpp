@@ -19,10 +19,10 @@
 #include <fstream>
 #include <type_traits>
 
-#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/meshing/mesh_file_errors.hpp"
 #include "host/surfaces/vtk_cells.hpp"
+#include "host/surfaces/vtk_copy.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
@@ -56,6 +56,12 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
     return grid;
 }
 
+template <typename Reader>
+vtkSmartPointer<vtkUnstructuredGrid> read_with(const fs::path& path) {
+    return read_by_copy<vtkXMLUnstructuredGridWriter>(path, run_reader<Reader>,
+                                                      run_reader<vtkXMLUnstructuredGridReader>);
+}
+
 /// VTK's reader of the legacy format leaves types that are missing as they were in memory. From
 /// version 5 of the format on, offsets are counted in place of cells: one more.
 void check_numbers_of_types(const fs::path& path) {
@@ -76,11 +82,10 @@ void check_numbers_of_types(const fs::path& path) {
 vtkSmartPointer<vtkUnstructuredGrid> read_vtk_grid(const fs::path& path) {
     if (const auto why = why_unreadable(path)) unreadable_mesh(path, *why);
     const std::string extension = path.extension().string();
-    if (extension == ".vtu")
-        return read_rehearsed(path, [&] { return run_reader<vtkXMLUnstructuredGridReader>(path); });
+    if (extension == ".vtu") return read_with<vtkXMLUnstructuredGridReader>(path);
     if (extension == ".vtk") {
         check_numbers_of_types(path);
-        return read_rehearsed(path, [&] { return run_reader<vtkUnstructuredGridReader>(path); });
+        return read_with<vtkUnstructuredGridReader>(path);
     }
     unreadable_mesh(path, "its name must end in .vtu or .vtk");
 }

@@ -15,6 +15,7 @@
 #include <vtkSmartPointer.h>
 #include <vtkTriangleFilter.h>
 #include <vtkXMLPolyDataReader.h>
+#include <vtkXMLPolyDataWriter.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -23,10 +24,10 @@
 #include <fstream>
 #include <string>
 
-#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/surfaces/point_text.hpp"
 #include "host/surfaces/vtk_cells.hpp"
+#include "host/surfaces/vtk_copy.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
 
@@ -86,7 +87,8 @@ PolyData run_reader(const fs::path& path) {
 
 template <typename Reader>
 PolyData read_with(const fs::path& path) {
-    return read_rehearsed(path, [&] { return run_reader<Reader>(path); });
+    return read_by_copy<vtkXMLPolyDataWriter>(path, run_reader<Reader>,
+                                              run_reader<vtkXMLPolyDataReader>);
 }
 
 /// Null for an ending that is not polydata.
