@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-// How long from a mesh in memory to moduli, forces, field and intervals, and how long for a further
-// target of the same reference? On pelvis phantoms with 1 mm voxels; figures in
-// docs/performance.md.
+// How long does a user wait, and for what? On pelvis phantoms with 1 mm voxels (2 mm in `small`);
+// figures in docs/performance.md.
+//   files_to_folder     `palpate recover` on two label volumes, from its start to its end: the
+//   program
+//                       beside this one, or PALPATE_PROGRAM
 //   mesh_to_answer      distance maps of the target, condensing, response model, search, full solve
 //   further_target      distances to search to full solve, the reference being prepared
 //   voxels_to_answer    label volumes in memory to the whole result
@@ -13,8 +15,13 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 
+#include "bench/child_program.hpp"
+#include "host/imaging/files.hpp"
 #include "host/phantom/pelvis.hpp"
 #include "host/pipeline/prepared.hpp"
 #include "host/pipeline/recover.hpp"
@@ -31,8 +38,30 @@ struct Size {
     double spacing_mm;
 };
 constexpr Size sizes[] = {{"small", 3000, 1200, 2.0}, {"seed_size", 30000, 6000, 1.0}};
+constexpr unsigned seed = 3;
 constexpr double true_kpa = 90;
 constexpr double nested_limit_s = 300;
+
+// A folder with the files of a phantom as `palpate phantom` writes them.
+class PhantomFiles {
+public:
+    explicit PhantomFiles(const Size& size) {
+        const std::string voxel = fmt::format("{}", size.spacing_mm);
+        const auto made = bench::run_program(
+            {bench::palpate_program(), "phantom", "pelvis", "--quiet", "--seed",
+             fmt::format("{}", seed), "--stiffness-kpa", fmt::format("{}", true_kpa), "--spacing",
+             voxel, voxel, voxel, "--nodes", fmt::format("{}", size.truth_nodes), "--out",
+             phantom().string()});
+        if (made.exit_code != 0)
+            throw Error(ErrorCode::internal,
+                        fmt::format("palpate phantom ended with {}", made.exit_code));
+    }
+    std::filesystem::path phantom() const { return folder_.path() / "phantom"; }
+    std::filesystem::path result() const { return folder_.path() / "result"; }
+
+private:
+    PrivateFolder folder_;
+};
 
 /// A phantom with everything that stands before the timed part.
 struct Case {
@@ -52,7 +81,7 @@ RecoverOptions recover_options(const PelvisPhantom& phantom, Index nodes) {
 
 Case make_case(const Size& size) {
     PelvisOptions pelvis;
-    pelvis.seed = 3;
+    pelvis.seed = seed;
     pelvis.stiffness_kpa = true_kpa;
     pelvis.num_nodes = size.truth_nodes;
     pelvis.spacing = Vec3::Constant(size.spacing_mm);
@@ -90,6 +119,38 @@ void report(benchmark::State& state, const Recovered& found) {
 
 void add_times(benchmark::State& state, const StageTimer& timer) {
     for (const auto& [stage, seconds] : timer.times_s()) state.counters[stage + "_s"] = seconds;
+}
+
+double megabytes_in(const std::filesystem::path& folder) {
+    std::uintmax_t bytes = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) bytes += entry.file_size();
+    return 1e-6 * static_cast<double>(bytes);
+}
+
+void files_to_folder(benchmark::State& state, const Size& size) {
+    const PhantomFiles files(size);
+    bench::ProgramRun run{};
+    for (auto _ : state) {
+        state.PauseTiming();
+        std::filesystem::remove_all(files.result());
+        state.ResumeTiming();
+        run =
+            bench::run_program({bench::palpate_program(), "recover", "--quiet", "--nodes",
+                                fmt::format("{}", size.nodes), files.phantom() / "reference.nii.gz",
+                                files.phantom() / "target.nii.gz", "--config",
+                                files.phantom() / "organs.toml", "--out", files.result()});
+        if (run.exit_code != 0)
+            throw Error(ErrorCode::internal,
+                        fmt::format("palpate recover ended with {}", run.exit_code));
+    }
+    state.counters["processor_s"] = run.processor_s;
+    state.counters["peak_memory_mib"] = run.peak_memory_mib;
+    state.counters["folder_mb"] = megabytes_in(files.result());
+    std::ifstream text(files.result() / "result.json");
+    const auto result = nlohmann::json::parse(text);
+    for (const auto& [stage, duration] : result.at("timings_s").items())
+        state.counters[stage + "_s"] = duration.get<double>();
 }
 
 void mesh_to_answer(benchmark::State& state, const Size& size) {
@@ -163,7 +224,8 @@ void run_checked(benchmark::State& state, Body body, const Size& size) {
 }
 
 void register_all() {
-    const std::pair<const char*, Body> bodies[] = {{"mesh_to_answer", mesh_to_answer},
+    const std::pair<const char*, Body> bodies[] = {{"files_to_folder", files_to_folder},
+                                                   {"mesh_to_answer", mesh_to_answer},
                                                    {"further_target", further_target},
                                                    {"voxels_to_answer", voxels_to_answer},
                                                    {"nested_baseline", nested_baseline}};
