@@ -50,7 +50,7 @@ vtkSmartPointer<vtkUnstructuredGrid> run_reader(const fs::path& path) {
     if (messages.any()) unreadable_mesh(path, "it is damaged: " + messages.last());
     if (!grid || grid->GetNumberOfPoints() == 0 || !grid->GetPoints())
         unreadable_mesh(path, "it holds no points");
-    if (!grid->GetCells()) return grid;  // points only
+    if (!grid->GetCells()) grid->SetCells(VTK_TETRA, vtkNew<vtkCellArray>());  // points only
     if (const auto why = why_unsafe(*grid->GetCells(), grid->GetNumberOfPoints()))
         unreadable_mesh(path, *why);
     return grid;
