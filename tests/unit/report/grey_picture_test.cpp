@@ -173,10 +173,69 @@ TEST(GreyWindow, IsThatOfSoftTissueOrLungForHounsfieldUnits) {
     std::vector<float> abdomen(1000, 40.f), chest(1000, -800.f);
     std::fill(abdomen.begin(), abdomen.begin() + 100, -1000.f);  // air round the patient, bowel
     std::fill(chest.begin(), chest.begin() + 500, 40.f);
+    std::fill(chest.begin(), chest.begin() + 100, -1000.f);
 
     EXPECT_EQ(grey_window(with_numbers(abdomen), abdomen).white, 240);
     EXPECT_EQ(grey_window(with_numbers(abdomen), abdomen).black, -160);
     EXPECT_EQ(grey_window(with_numbers(chest), chest).white, 150);
+}
+
+template <typename Distribution>
+std::vector<float> drawn(Distribution distribution, bool whole = true) {
+    std::mt19937 random(11);
+    std::vector<float> numbers(20'000);
+    for (float& number : numbers) number = float(distribution(random));
+    if (whole)
+        for (float& number : numbers) number = std::round(number);
+    return numbers;
+}
+
+/// What a scanner would show of a trunk in air.
+std::vector<float> trunk_in_air() {
+    const std::vector<float> air = drawn(std::normal_distribution<>(-1000, 15)),
+                             fat = drawn(std::normal_distribution<>(-100, 20)),
+                             organs = drawn(std::normal_distribution<>(50, 20)),
+                             bone = drawn(std::uniform_real_distribution<>(200, 1400));
+    std::vector<float> numbers;
+    for (std::size_t n = 0; n < air.size(); ++n)
+        numbers.push_back(n % 10 < 4   ? air[n]
+                          : n % 10 < 6 ? fat[n]
+                          : n % 10 < 9 ? organs[n]
+                                       : bone[n]);
+    return numbers;
+}
+
+bool is_soft_tissue_or_lung(const std::vector<float>& numbers) {
+    const GreyWindow window = grey_window(with_numbers(numbers), numbers);
+    return (window.black == -160 && window.white == 240) ||
+           (window.black == -1350 && window.white == 150);
+}
+
+TEST(GreyWindow, RecognisesCtByWholeNumbersAirAndSoftTissue) {
+    std::vector<float> ct = trunk_in_air();
+    EXPECT_TRUE(is_soft_tissue_or_lung(ct));
+
+    std::vector<float> padded = ct;  // beyond the scanner's circle
+    std::fill(padded.begin(), padded.begin() + 4000, -3024.f);
+    EXPECT_TRUE(is_soft_tissue_or_lung(padded));
+
+    for (float& number : ct) number = (number + 1000) / 2400;
+    EXPECT_FALSE(is_soft_tissue_or_lung(ct));
+}
+
+TEST(GreyWindow, TakesNothingElseForCt) {
+    using Normal = std::normal_distribution<>;
+    using Uniform = std::uniform_real_distribution<>;
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Uniform(0, 4000)))) << "MR";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(300, 400)))) << "MR with values below zero";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Uniform(-4096, 4095)))) << "phase";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(0, 1), false))) << "z-scores";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Uniform(-1000, 1000)))) << "noise";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(0, 400)))) << "normal noise";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(40, 30)))) << "CT inside the body";
+    std::vector<float> scaled = trunk_in_air();
+    for (float& number : scaled) number += 0.37f;
+    EXPECT_FALSE(is_soft_tissue_or_lung(scaled)) << "fractions";
 }
 
 TEST(GreyWindow, IsSharedByImagesThatAreMuchAlike) {
