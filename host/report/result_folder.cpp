@@ -229,8 +229,8 @@ void write_result(const RecoveryResult& result, const fs::path& folder,
         write_text_file(inside / "result.json",
                         json_report(result, options.include_file_names, options.fields));
         write_text_file(inside / "convergence.csv", convergence_csv(result));
-        write_text_file(inside / "report.html",
-                        html_report(result, options.include_file_names, options.images));
+        write_text_file(inside / "report.html", html_report(result, options.include_file_names,
+                                                            options.images, options.fields));
         write_vtk_report(result, inside / "mesh.vtu");
         write_label_image(inside / "warped_labels.nii.gz", result.warped_labels);
         forward.get();

@@ -299,7 +299,10 @@ def test_a_result_holds_the_fields_that_were_chosen(quick):
         fields = json.loads((quick / choice / "result.json").read_text())["fields"]
         told = {name for field in fields for name in (field["displacement_field"], field["itk_transform"])}
         assert told - {None} == names & {FORWARD, BACKWARD, *TRANSFORMS.values()}
-        assert [field["step_mm"] for field in fields] == [1 / 128, 1 / 128]
+        assert [field["step_mm"] for field in fields] == [None if choice == "none" else 1 / 128] * 2
+        assert [field["itk_transform_resamples"] is None for field in fields] == [choice != "all"] * 2
+        page = (quick / choice / "report.html").read_text()
+        assert {name for name in (FORWARD, BACKWARD, *TRANSFORMS.values()) if name in page} == told - {None}
 
 
 def test_fields_are_whole_steps_and_their_headers_say_so(quick):

@@ -8,6 +8,7 @@
 #include "host/meshing/io.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
+#include "tests/unit/report/holds.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 #include "tests/unit/report/temporary_folder.hpp"
 
@@ -31,10 +32,6 @@ protected:
         write_text_file(inside / "result.json", "{}\n");
     }
 };
-
-bool holds(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
 
 TEST_F(ResultFolder, HoldsEveryFileAfterAWrite) {
     const RecoveryResult result = synthetic_result();
