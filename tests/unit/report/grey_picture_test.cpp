@@ -19,7 +19,7 @@ constexpr std::size_t many = 10'000'000;
 double number_at(const Vec3& x) { return 1000 + 1.0 * x.x() + 2.3 * x.y() - 0.7 * x.z(); }
 
 /// A volume of `number_at` on an oblique, anisotropic grid that reaches beyond the organs.
-Image<float> slope_image() {
+Image<float> slope_image(bool left_handed = false) {
     Image<float> image;
     image.grid.size = {61, 90, 45};
     image.grid.spacing = Vec3(5, 2.6, 6.5);
@@ -27,6 +27,7 @@ Image<float> slope_image() {
         (Eigen::AngleAxisd(0.4, Vec3::UnitZ()) * Eigen::AngleAxisd(-0.3, Vec3::UnitX()) *
          Eigen::AngleAxisd(std::acos(-1.0), Vec3::UnitY()))
             .toRotationMatrix();
+    if (left_handed) image.grid.direction.col(1) *= -1;
     const Vec3 middle(30, 45, 22);
     image.grid.origin = -(image.grid.direction * middle.cwiseProduct(image.grid.spacing));
     for (Index k = 0; k < image.grid.size[2]; ++k)
@@ -72,6 +73,14 @@ TEST(GreyPicture, ShowsEveryNumberWhereItLies) {
 
     EXPECT_GT(picture.window.white, picture.window.black + 50);
     expect_numbers_of_slope(picture, volumes, {});
+}
+
+TEST(GreyPicture, ShowsALeftHandedImageWhereItLies) {
+    const LabelVolumes volumes = label_volumes(synthetic_result());
+    const Image<float> image = slope_image(true);
+    ASSERT_NEAR(image.grid.direction.determinant(), -1, 1e-12);
+
+    expect_numbers_of_slope(shown_all(image, volumes, {}, many), volumes, {});
 }
 
 TEST(GreyPicture, FollowsTheRigidTransform) {
