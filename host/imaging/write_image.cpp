@@ -20,8 +20,7 @@ namespace {
 
 VolumeFormat checked_format(const std::filesystem::path& path) {
     const auto format = format_of(path);
-    const std::string ending = path.extension().string();
-    if (!format || ending == ".mhd" || ending == ".nhdr") {
+    if (!format || has_ending(path, ".mhd") || has_ending(path, ".nhdr")) {
         throw Error(ErrorCode::unsupported,
                     "cannot write '" + path.string() + "': use .nii, .nii.gz, .nrrd or .mha");
     }
