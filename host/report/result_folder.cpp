@@ -162,7 +162,7 @@ void write_folder(const fs::path& folder, bool overwrite,
         fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
     Parents parents(target);
     LockedFolder temporary = unfinished_folder(target);
-    named_as_asked(target, temporary.path(), [&] {
+    named_as_asked(folder, temporary.path(), [&] {
         fill(temporary.path());
         sync_tree_to_disk(temporary.path());
     });

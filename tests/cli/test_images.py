@@ -240,7 +240,12 @@ def test_a_partial_target_has_no_image(phantom, images, out):  # noqa: F811
     ("colour.mha", hard_images.meta(hard_images.labels() * 3, [("ElementNumberOfChannels", 3)]),
      "several numbers"),
     ("hole.nii", hard_images.nifti(struct.pack("<1728f", *[1.0] * 1727, float("nan")), datatype=16,
-                                   bitpix=32), "not a finite number"),
+                                   bitpix=32), "its number 1727 is not a finite number"),
+    ("hole.mha", hard_images.meta(struct.pack("<1728f", *[1.0] * 1727, float("nan")),
+                                  [("ElementType", "MET_FLOAT")]),
+     "its number 1727 is not a finite number"),
+    ("large.nii", hard_images.nifti(struct.pack("<1728d", *[1e300] * 1728), datatype=64, bitpix=64),
+     "its number 0 is not a finite number, or too large"),
 ], ids=lambda value: value if isinstance(value, str) else "")
 def test_an_image_that_is_no_grey_volume_is_refused(name, data, word, phantom, tmp_path, out):  # noqa: F811
     path = tmp_path / name

@@ -155,6 +155,19 @@ TEST(WriteImage, RefusesOtherFormats) {
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST(WriteImage, SaysWhatToDoWithMoreVoxelsThanNiftiCounts) {
+    ImageGrid grid;
+    grid.size = {40000, 2, 2};
+    try {
+        write_label_image("long.nii", {grid, std::vector<std::uint16_t>(grid.num_voxels(), 1)});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::output_failed);
+        for (const char* words : {"32767", "40000", ".nrrd", ".h5"})
+            EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << words;
+    }
+}
+
 TEST(WriteImage, SaysWhichFileCouldNotBeWritten) {
     const LabelImage labels{vector_image().grid, std::vector<std::uint16_t>(24, 1)};
     try {

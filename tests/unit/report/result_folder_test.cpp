@@ -148,6 +148,19 @@ TEST_F(ResultFolder, FailureInTheMiddleLeavesNothing) {
     EXPECT_EQ(names_in(folder), "");
 }
 
+TEST_F(ResultFolder, FailureInTheMiddleNamesTheFolderThatWasAskedFor) {
+    const auto nowhere = [](const std::filesystem::path& inside) {
+        write_field(inside / "no" / "field.h5", synthetic_result().displacement_field);
+    };
+
+    const std::string message =
+        refusal([&] { write_folder_atomically(folder / "out", false, nowhere); });
+
+    EXPECT_TRUE(holds(message, "cannot write '" + (folder / "out/no/field.h5").string() + "'"));
+    EXPECT_TRUE(holds(message, "there is no folder '" + (folder / "out/no").string() + "'"));
+    EXPECT_FALSE(holds(message, "unfinished")) << message;
+}
+
 TEST_F(ResultFolder, FailureWhileReplacingKeepsTheOldOne) {
     write_folder_atomically(folder / "out", false, write_note);
 
