@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/output_file.hpp"
 #include "host/exporting/write_model.hpp"
+#include "host/imaging/displacement_steps.hpp"
 #include "host/warping/field_files.hpp"
 #include "solver/base/error.hpp"
 
@@ -17,20 +19,32 @@ namespace {
 
 struct ExportArguments {
     std::string result, out;
-    WallLoad walls = WallLoad::displacement;
+    std::optional<WallLoad> walls;
     bool inverse = false, overwrite = false;
 };
 
 const std::map<std::string, WallLoad> wall_loads{{"displacement", WallLoad::displacement},
                                                  {"force", WallLoad::force}};
 
+/// A file says nothing about which way its displacements lead; a result folder does.
+std::string told_sense(const ExportArguments& arguments) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(arguments.result, error)) return "";
+    return arguments.inverse ? ", target to reference" : ", reference to target";
+}
+
 int export_field(const ExportArguments& arguments) {
+    if (arguments.walls)
+        throw Error(
+            ErrorCode::invalid_argument,
+            "--walls belongs to models (.feb, .inp); leave it out for a displacement field");
     const Sense sense = arguments.inverse ? Sense::target_to_reference : Sense::reference_to_target;
     const Image<Vec3> field = read_written_field(arguments.result, sense);
     write_field(arguments.out, field);
     const auto& size = field.grid.size;
-    fmt::print("{}: {} x {} x {} displacements in mm, LPS, {}\n", arguments.out, size[0], size[1],
-               size[2], arguments.inverse ? "target to reference" : "reference to target");
+    fmt::print("{}: {} x {} x {} displacements in mm, LPS{}{}\n", arguments.out, size[0], size[1],
+               size[2], told_sense(arguments),
+               is_rounded_by_writing(field) ? ", rounded to 1/128 mm" : "");
     return 0;
 }
 
@@ -40,7 +54,7 @@ int export_model(const ExportArguments& arguments) {
                     "--inverse belongs to displacement fields (.nii.gz, .h5); leave it out for a "
                     "model");
     const RecoveredModel model = read_recovered_model(arguments.result);
-    write_model(model, arguments.walls, arguments.out);
+    write_model(model, arguments.walls.value_or(WallLoad::displacement), arguments.out);
     fmt::print("{}: {} nodes, {} tetrahedra, {} regions, law {}\n", arguments.out,
                model.mesh.num_nodes(), model.mesh.num_tets(), model.regions.size(),
                name_of(model.law));

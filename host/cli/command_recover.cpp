@@ -65,14 +65,14 @@ RecoverOptions recover_options(const RecoverArguments& arguments) {
 
 /// Writes the result of one target.
 void write(const RecoverArguments& arguments, RecoveryResult& result, const PatientImages& images,
-           std::size_t target, const std::filesystem::path& folder, const ProgressSink& progress) {
+           const std::filesystem::path& folder, const ProgressSink& progress) {
     report_progress(progress, "writing", 0, "result folder");
-    images.add_warnings(target, result);
+    images.add_warnings(result);
     ResultOptions writing;
     writing.overwrite = arguments.overwrite;
     writing.include_file_names = arguments.keep_file_names;
     writing.fields = field_choice_of(arguments.fields);
-    writing.images = images.of_target(target);
+    writing.images = images.shown();
     write_result(result, folder, writing);
 }
 
@@ -96,11 +96,15 @@ int recover_one(const RecoverArguments& arguments, const RecoverOptions& options
                     partial ? "reading the segmentation" : "reading both segmentations");
     const Segmentation reference = read_segmentation(arguments.reference, progress);
     const std::vector<Segmentation> targets = read_targets(arguments, progress);
-    const PatientImages images =
-        read_images(arguments.images, options.settings, reference, targets, progress);
+    PatientImages images;
+    images.reference =
+        read_reference_image(arguments.images, options.settings, reference, progress);
+    if (!partial)
+        images.target =
+            read_target_image(arguments.images, 0, options.settings, targets.front(), progress);
     RecoveryResult result = partial ? recover(reference, shapes, options, progress)
                                     : recover(reference, targets.front(), options, progress);
-    write(arguments, result, images, 0, arguments.out, progress);
+    write(arguments, result, images, arguments.out, progress);
     end_progress_line();
     fmt::print("{}\nreport: {}/report.html\n", text_report(result), arguments.out);
     return exit_code_for(result);
@@ -126,12 +130,19 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
     report_progress(progress, "reading", 0, "reading the segmentations");
     const Segmentation reference = read_segmentation(arguments.reference, progress);
     const std::vector<Segmentation> targets = read_targets(arguments, progress);
-    const PatientImages images =
-        read_images(arguments.images, options.settings, reference, targets, progress);
+    PatientImages images;
+    images.reference =
+        read_reference_image(arguments.images, options.settings, reference, progress);
+    const auto target_image = [&](std::size_t k) {
+        return read_target_image(arguments.images, k, options.settings, targets[k], progress);
+    };
+    for (std::size_t k = 0; k < targets.size(); ++k) target_image(k);  // to refuse it early
     recover_all(
         reference, targets, options,
         [&](std::size_t k, RecoveryResult result, double seconds) {
-            write(arguments, result, images, k, folder / names[k], progress);
+            images.target = target_image(k);
+            write(arguments, result, images, folder / names[k], progress);
+            images.target.reset();
             add(target_row(names[k], result, seconds), exit_code_for(result));
         },
         progress,
@@ -146,7 +157,7 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
 
 int run_recover(const RecoverArguments& arguments) {
     check_one_kind_of_target(arguments.targets, arguments.partial);
-    check_number_of_images(arguments.images, arguments.targets.size());
+    check_images(arguments.images, arguments.targets.size());
     if (arguments.targets.size() > 1 && !arguments.landmarks.empty())
         throw Error(ErrorCode::invalid_argument,
                     "--landmarks belong to one target; recover the targets one by one");

@@ -14,31 +14,38 @@ namespace palpate {
 
 /// Images for the report, as the user named them.
 struct ImageArguments {
-    std::string reference;
+    std::optional<std::string> reference;
     std::vector<std::string> targets;
 };
 
 void add_image_options(CLI::App& command, ImageArguments& arguments);
 
 /// Throws Error(invalid_argument) unless there is an image for every target that is a label volume,
-/// or for none.
-void check_number_of_images(const ImageArguments& arguments, std::size_t num_label_volumes);
+/// or for none; Error(input_unreadable) for an empty name.
+void check_images(const ImageArguments& arguments, std::size_t num_label_volumes);
 
-/// The images that were given, read.
-struct PatientImages {
-    std::optional<Image<float>> reference;
-    std::vector<Image<float>> targets;               ///< one for each target, or none
-    std::vector<std::string> reference_warnings;     ///< sentences for every result
-    std::vector<std::vector<std::string>> warnings;  ///< for the result of one target
-
-    GreyImages of_target(std::size_t target) const;
-    void add_warnings(std::size_t target, RecoveryResult& result) const;
+struct PatientImage {
+    Image<float> image;
+    std::vector<std::string> warnings;  ///< sentences for the result
 };
 
-/// Throws what `read_scalar_image` throws, and Error(input_unusable) for an image that shows no
-/// voxel of the organs in its segmentation.
-PatientImages read_images(const ImageArguments& arguments, const Settings& settings,
-                          const Segmentation& reference, const std::vector<Segmentation>& targets,
-                          const ProgressSink& progress);
+/// What one result shows.
+struct PatientImages {
+    std::optional<PatientImage> reference, target;
+
+    GreyImages shown() const;
+    void add_warnings(RecoveryResult& result) const;
+};
+
+/// Nothing if no image was given. Throws what `read_scalar_image` throws, and
+/// Error(input_unusable) for an image that shows no voxel of the organs in its segmentation.
+std::optional<PatientImage> read_reference_image(const ImageArguments& arguments,
+                                                 const Settings& settings,
+                                                 const Segmentation& reference,
+                                                 const ProgressSink& progress);
+/// The same for target `k`.
+std::optional<PatientImage> read_target_image(const ImageArguments& arguments, std::size_t k,
+                                              const Settings& settings, const Segmentation& target,
+                                              const ProgressSink& progress);
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/imaging/files.hpp"
+#include "host/imaging/preflight.hpp"
 #include "host/meshing/io.hpp"
 #include "host/report/result_folder.hpp"
 #include "solver/base/error.hpp"
@@ -34,16 +35,15 @@ void write_vtk(const RecoveredModel& model, const std::filesystem::path& path) {
 }  // namespace
 
 void write_model(const RecoveredModel& model, WallLoad load, const std::filesystem::path& path) {
-    const std::string ending = path.extension().string();
-    if (ending == ".vtu") {
+    if (has_ending(path, ".vtu")) {
         return write_atomically(path, [&](const auto& file) { write_vtk(model, file); });
     }
     std::string text;
-    if (ending == ".feb") {
+    if (has_ending(path, ".feb")) {
         text = febio_model(model, load);
-    } else if (ending == ".inp") {
+    } else if (has_ending(path, ".inp")) {
         text = abaqus_deck(model, load);
-    } else if (ending == ".msh") {
+    } else if (has_ending(path, ".msh")) {
         text = gmsh_mesh(model);
     } else {
         throw Error(ErrorCode::unsupported,

@@ -9,6 +9,12 @@
 
 namespace palpate {
 
+bool is_rounded_by_writing(const Image<Vec3>& image) {
+    return std::any_of(image.voxels.begin(), image.voxels.end(), [](const Vec3& v) {
+        return v != Vec3(in_steps(v.x()), in_steps(v.y()), in_steps(v.z()));
+    });
+}
+
 void check_displacement(const Image<Vec3>& image) {
     if (image.voxels.size() != image.grid.num_voxels())
         throw Error(ErrorCode::invalid_argument,

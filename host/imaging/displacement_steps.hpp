@@ -19,6 +19,9 @@ inline float in_steps(double mm) {
     return static_cast<float>((mm + next_number_is_a_step_away) - next_number_is_a_step_away);
 }
 
+/// Whether writing changes the displacement.
+bool is_rounded_by_writing(const Image<Vec3>& image);
+
 /// Throws Error(invalid_argument) unless there is one vector for each voxel, Error(output_failed)
 /// if one is not finite.
 void check_displacement(const Image<Vec3>& image);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <itkDisplacementFieldTransform.h>
+#include <itkHDF5TransformIO.h>
 #include <itkTransformFileReader.h>
 #include <itkTransformFileWriter.h>
 
@@ -143,7 +144,7 @@ Image<Vec3> read_checked(const std::filesystem::path& path) {
 }  // namespace
 
 bool is_transform_file(const std::filesystem::path& path) {
-    return path.extension() == ".h5" || path.extension() == ".hdf5";
+    return has_ending(path, ".h5") || has_ending(path, ".hdf5");
 }
 
 Image<Vec3> read_displacement_transform(const std::filesystem::path& path) {
@@ -167,6 +168,7 @@ void write_displacement_transform(const std::filesystem::path& path, const Image
         transform->SetDisplacementField(itk_field(image));
         const auto writer = itk::TransformFileWriterTemplate<float>::New();
         writer->SetFileName(temporary.string());
+        writer->SetTransformIO(itk::HDF5TransformIOTemplate<float>::New());  // for .H5, too
         writer->SetInput(transform);
         writer->UseCompressionOn();
         write_in_child([&] { writer->Update(); }, 3 * sizeof(float) * image.voxels.size());

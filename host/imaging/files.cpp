@@ -25,6 +25,10 @@ bool make_durable(const std::filesystem::path& path) {
     return done;
 }
 
+[[noreturn]] void cannot_write(const std::filesystem::path& path, const std::string& reason) {
+    throw Error(ErrorCode::output_failed, "cannot write '" + path.string() + "': " + reason);
+}
+
 /// What `work` throws, as Error(output_failed) with the name of the file; errors of the caller
 /// stay.
 void told_with_name(const std::filesystem::path& path, const std::function<void()>& work) {
@@ -36,9 +40,7 @@ void told_with_name(const std::filesystem::path& path, const std::function<void(
             (ours->code() == ErrorCode::unsupported || ours->code() == ErrorCode::cancelled)) {
             throw;
         }
-        throw Error(ErrorCode::output_failed, "cannot write '" + path.string() +
-                                                  "': " + failure.what() +
-                                                  "; check that the folder exists and has space");
+        cannot_write(path, std::string(failure.what()) + "; check free space and permissions");
     }
 }
 
@@ -67,11 +69,16 @@ std::optional<std::string> why_unreadable(const std::filesystem::path& path) {
 
 UnfinishedFile::UnfinishedFile(std::filesystem::path path)
     : path_(std::move(path)), parent_(path_.has_parent_path() ? path_.parent_path() : ".") {
-    told_with_name(path_, [&] {
-        std::string prefix = path_.filename().string();
-        prefix.insert(0, 1, '.');
+    std::error_code error;
+    if (!std::filesystem::is_directory(parent_, error))
+        cannot_write(path_, "there is no folder '" + parent_.string() + "'; make it first");
+    std::string prefix = path_.filename().string();
+    prefix.insert(0, 1, '.');
+    try {
         folder_.emplace(parent_, prefix.append(".unfinished-"), LockedFolder::Readers::everybody);
-    });
+    } catch (const Error& failure) {  // says what to do
+        cannot_write(path_, failure.what());
+    }
 }
 
 void UnfinishedFile::write(

@@ -59,7 +59,7 @@ void write_displacement_transform(const std::filesystem::path& path, const Image
 /// Error(input_unreadable), Error(input_unusable): another or more than one transform.
 Image<Vec3> read_displacement_transform(const std::filesystem::path& path);
 
-/// By the ending of its name.
+/// By the ending of its name, in any case.
 bool is_transform_file(const std::filesystem::path& path);
 
 /// Reads a rigid ITK transform (.tfm, .txt, .h5): a translation, Euler3D, VersorRigid3D, or affine

@@ -13,6 +13,7 @@
 #include "host/imaging/displacement_steps.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/gzip.hpp"
+#include "host/imaging/preflight.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -66,7 +67,10 @@ void put_size(Header& header, const ImageGrid& grid, Index components) {
     for (std::size_t n = 0; n < 8; ++n) {
         if (dim[n] > std::numeric_limits<std::int16_t>::max())
             throw Error(ErrorCode::output_failed,
-                        "NIfTI counts at most 32767 voxels along an axis; choose another format");
+                        "NIfTI counts at most 32767 voxels along an axis, not " +
+                            std::to_string(dim[n]) +
+                            "; cut or resample the image, or write volumes as .nrrd or .mha and "
+                            "displacements as .h5");
         header.put(40 + 2 * n, static_cast<std::int16_t>(dim[n]));
         header.put(76 + 4 * n, 1.0f);
     }
@@ -97,11 +101,6 @@ void put_place(Header& header, const ImageGrid& grid) {
     constexpr std::int16_t scanner = 1;
     header.put(252, scanner);
     header.put(254, scanner);
-}
-
-bool is_compressed(const std::filesystem::path& path) {
-    const std::string ending = path.extension().string();
-    return ending == ".gz" || ending == ".GZ";
 }
 
 void write_bytes(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
@@ -139,7 +138,7 @@ NiftiFile::NiftiFile(const ImageGrid& grid, NiftiNumbers numbers) {
 void NiftiFile::write(const std::filesystem::path& path) const {
     const std::span<const std::uint8_t> bytes(bytes_.get(), size_);
     write_atomically(path, [&](const std::filesystem::path& temporary) {
-        if (is_compressed(path))
+        if (has_ending(path, ".gz"))
             write_bytes(temporary, gzipped(bytes));
         else
             write_bytes(temporary, bytes);

@@ -16,13 +16,6 @@ namespace {
 
 constexpr std::uintmax_t max_file_bytes = std::uintmax_t(1) << 33;
 
-bool ends_with(const std::filesystem::path& path, const std::string& ending) {
-    std::string name = path.filename().string();
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return name.size() > ending.size() && name.ends_with(ending);
-}
-
 CheckedVolume checked(const std::filesystem::path& path, Voxels voxels) {
     const auto format = format_of(path);
     if (!format) {
@@ -34,20 +27,27 @@ CheckedVolume checked(const std::filesystem::path& path, Voxels voxels) {
             return detail::preflight_nifti(std::move(bytes), voxels);
         case VolumeFormat::nrrd:
             return detail::preflight_nrrd(std::move(bytes), path.parent_path(),
-                                          ends_with(path, ".nhdr"));
+                                          has_ending(path, ".nhdr"));
         case VolumeFormat::meta:
             return detail::preflight_meta(std::move(bytes), path.parent_path(),
-                                          ends_with(path, ".mhd"));
+                                          has_ending(path, ".mhd"));
     }
     detail::unreadable("its format is unknown");
 }
 
 }  // namespace
 
+bool has_ending(const std::filesystem::path& path, const std::string& ending) {
+    std::string name = path.filename().string();
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return name.size() > ending.size() && name.ends_with(ending);
+}
+
 std::optional<VolumeFormat> format_of(const std::filesystem::path& path) {
-    if (ends_with(path, ".nii") || ends_with(path, ".nii.gz")) return VolumeFormat::nifti;
-    if (ends_with(path, ".nrrd") || ends_with(path, ".nhdr")) return VolumeFormat::nrrd;
-    if (ends_with(path, ".mha") || ends_with(path, ".mhd")) return VolumeFormat::meta;
+    if (has_ending(path, ".nii") || has_ending(path, ".nii.gz")) return VolumeFormat::nifti;
+    if (has_ending(path, ".nrrd") || has_ending(path, ".nhdr")) return VolumeFormat::nrrd;
+    if (has_ending(path, ".mha") || has_ending(path, ".mhd")) return VolumeFormat::meta;
     return std::nullopt;
 }
 
@@ -74,6 +74,10 @@ namespace detail {
 
 void unreadable(const std::string& reason) { throw Error(ErrorCode::input_unreadable, reason); }
 void unusable(const std::string& reason) { throw Error(ErrorCode::input_unusable, reason); }
+void not_finite(std::size_t position) {
+    unusable("its number " + std::to_string(position) +
+             " is not a finite number, or too large for single precision; replace such voxels");
+}
 
 std::vector<std::uint8_t> load(const std::filesystem::path& path) {
     std::error_code error;

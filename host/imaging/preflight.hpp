@@ -32,6 +32,9 @@ struct CheckedVolume {
     std::vector<std::string> warnings;  ///< sentences about what is odd but was accepted
 };
 
+/// Whether the name ends so, in any case; `ending` with its dot and in lower case.
+bool has_ending(const std::filesystem::path& path, const std::string& ending);
+
 /// Format by the ending of the name (.nii .nii.gz .nrrd .nhdr .mha .mhd, any case), if known.
 std::optional<VolumeFormat> format_of(const std::filesystem::path& path);
 
@@ -68,6 +71,8 @@ std::vector<std::uint8_t> load_detached(const std::filesystem::path& folder,
                                         const std::string& name);
 [[noreturn]] void unreadable(const std::string& reason);
 [[noreturn]] void unusable(const std::string& reason);
+/// Of the number at this position.
+[[noreturn]] void not_finite(std::size_t position);
 /// Checks the extents and returns their product.
 std::size_t checked_num_voxels(const std::vector<long long>& sizes);
 /// Whole numbers or finite numbers separated by blanks; throws for anything else.

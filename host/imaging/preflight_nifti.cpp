@@ -211,10 +211,7 @@ void check_finite(std::span<const std::uint8_t> data, bool swapped) {
         std::array<std::uint8_t, sizeof(T)> raw;
         std::copy_n(data.begin() + n, sizeof(T), raw.begin());
         if (swapped) std::reverse(raw.begin(), raw.end());
-        if (!std::isfinite(std::bit_cast<T>(raw))) {
-            unusable("it has a voxel that is not a finite number (voxel " +
-                     std::to_string(n / sizeof(T)) + ")");
-        }
+        if (!std::isfinite(std::bit_cast<T>(raw))) not_finite(n / sizeof(T));
     }
 }
 

@@ -6,17 +6,12 @@
 
 #include "host/imaging/decode_volume.hpp"
 #include "host/imaging/io.hpp"
-#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
 
 float finite_from(double number, std::size_t position) {
-    if (!(std::abs(number) <= std::numeric_limits<float>::max())) {
-        throw Error(ErrorCode::input_unusable,
-                    "its number " + std::to_string(position) +
-                        " is not finite or too large; replace such voxels by a number");
-    }
+    if (!(std::abs(number) <= std::numeric_limits<float>::max())) detail::not_finite(position);
     return static_cast<float>(number);
 }
 

@@ -20,8 +20,7 @@ namespace {
 
 VolumeFormat checked_format(const std::filesystem::path& path) {
     const auto format = format_of(path);
-    const std::string ending = path.extension().string();
-    if (!format || ending == ".mhd" || ending == ".nhdr") {
+    if (!format || has_ending(path, ".mhd") || has_ending(path, ".nhdr")) {
         throw Error(ErrorCode::unsupported,
                     "cannot write '" + path.string() + "': use .nii, .nii.gz, .nrrd or .mha");
     }
@@ -69,6 +68,15 @@ void write_nifti(const std::filesystem::path& path, const ImageGrid& grid,
     file.write(path);
 }
 
+/// An encoder does not notice a full disk; the check of a reader does.
+void check_encoded(const std::filesystem::path& path) {
+    try {
+        preflight(path);
+    } catch (const Error&) {
+        throw Error(ErrorCode::output_failed, "it could not be written whole");
+    }
+}
+
 template <typename T>
 void write_volume(const std::filesystem::path& path, const ImageGrid& grid,
                   const std::vector<T>& values) {
@@ -86,15 +94,18 @@ void write_volume(const std::filesystem::path& path, const ImageGrid& grid,
     encoder->SetComponentType(component_type<T>());
     encoder->SetUseCompression(true);
     write_atomically(path, [&](const std::filesystem::path& temporary) {
-        encoder->SetFileName(temporary.string());
+        // Encoders know their endings in lower case only.
+        std::filesystem::path encoded = temporary;
+        encoded.replace_extension(format == VolumeFormat::nrrd ? ".nrrd" : ".mha");
+        encoder->SetFileName(encoded.string());
         write_in_child(
             [&] {
                 encoder->WriteImageInformation();
                 encoder->Write(values.data());
             },
             values.size() * sizeof(T));
-        // The encoder does not notice a full disk; the check of a reader does.
-        preflight(temporary);
+        check_encoded(encoded);
+        std::filesystem::rename(encoded, temporary);
     });
 }
 

@@ -20,10 +20,25 @@ double share_of(const std::vector<float>& values, const Is& is) {
     return double(std::count_if(values.begin(), values.end(), is)) / double(values.size());
 }
 
-/// Nothing but air is that far below zero, and nearly every CT shows some.
+double share_between(const std::vector<float>& values, float low, float high) {
+    return share_of(values, [=](float v) { return v >= low && v <= high; });
+}
+
+bool are_whole_numbers(const std::vector<float>& values) {
+    constexpr float rounding = 0.01f;  // of scale and intercept
+    return share_of(values, [](float v) { return std::abs(v - std::round(v)) < rounding; }) > 0.99;
+}
+
+/// A peak at air, little between air and fat, and nearly all that is denser than fat soft tissue:
+/// a CT that shows no air looks like other images and is not recognised.
 bool is_in_hounsfield_units(const Image<float>& image) {
-    return share_of(image.voxels, [](float v) { return v < -500; }) > 0.001 &&
-           share_of(image.voxels, [](float v) { return v < -5000; }) < 0.001;
+    const std::vector<float>& values = image.voxels;
+    const double air = share_between(values, -1100, -900);
+    const double between = share_between(values, -700, -300) / 2;  // of half as many numbers
+    const double soft = share_between(values, -200, 300);
+    const double hard = share_of(values, [](float v) { return v > 300; });
+    return air > 0.01 && air > 2 * between && soft > 0.05 && soft > 2 * hard &&
+           are_whole_numbers(values);
 }
 
 /// The number below which the given part of `values` lies; changes their order.

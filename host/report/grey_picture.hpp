@@ -26,10 +26,10 @@ struct GreyWindow {
     std::uint8_t grey(double number) const;
 };
 
-/// A window to judge outlines by. Of Hounsfield units (recognised by air) what radiologists use:
-/// lung where a quarter of `shown` is aerated, else soft tissue. Of everything else the numbers
-/// between the first and the 98th hundredth of `shown`, so that bright fluid and vessels count
-/// little. `shown` holds NaN where the image says nothing.
+/// A window to judge outlines by. Of Hounsfield units (recognised by whole numbers, air and soft
+/// tissue) what radiologists use: lung where a quarter of `shown` is aerated, else soft tissue. Of
+/// everything else the numbers between the first and the 98th hundredth of `shown`, so that bright
+/// fluid and vessels count little. `shown` holds NaN where the image says nothing.
 GreyWindow grey_window(const Image<float>& image, const std::vector<float>& shown);
 
 /// The same for what the box of the label volumes shows of an image; `to_image` as below.

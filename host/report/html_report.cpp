@@ -80,6 +80,24 @@ std::string slices_html(const RecoveryResult& result, const LabelVolumes& volume
     return out;
 }
 
+std::string file_html(const char* name) { return fmt::format("<code>{}</code>", name); }
+
+/// The end of the sentence that names the files beside the page.
+std::string displacements_html(FieldChoice fields) {
+    if (!has_image(fields)) return "";
+    std::string out = "; displacement";
+    const char* before = "";
+    for (const FieldFile& f : {forward_field, backward_field}) {
+        out += fmt::format("{} of points of the {} to the {}: {}", before, f.points_from,
+                           f.points_to, file_html(f.field));
+        if (has_transform(fields)) out += ", as ITK transform " + file_html(f.transform);
+        before = ";";
+    }
+    return has_transform(fields)
+               ? out
+               : out + " (<code>palpate export</code> makes ITK transforms of them)";
+}
+
 std::string inputs_line(const RecoveryResult& result, bool include_file_names) {
     if (!include_file_names) return "";
     return "<p class='kind'>" + escape_html(result.reference_name) + " → " +
@@ -96,7 +114,7 @@ std::string plain_summary(const RecoveryResult& result) {
 }  // namespace
 
 std::string html_report(const RecoveryResult& result, bool include_file_names,
-                        const GreyImages& images) {
+                        const GreyImages& images, FieldChoice fields) {
     const double margin_mm = images.empty() ? 8 : 15;  // what lies round organs tells images apart
     const LabelVolumes volumes = label_volumes(result, most_shown_voxels, margin_mm);
     const ShownPictures pictures = shown_pictures(images, result, volumes);
@@ -124,6 +142,7 @@ std::string html_report(const RecoveryResult& result, bool include_file_names,
                                                      correlation_table_html(result) +
                                                      sensitivity_table_html(result) + "</div>")},
          {"details", details_html(result)},
+         {"displacements", displacements_html(fields)},
          {"settings", escape_html(to_toml(result.settings))},
          {"data", viewer_data(result, volumes, pictures)},
          {"scripts", std::string(surface_viewer_js()) + std::string(slice_viewer_js()) +

@@ -101,22 +101,23 @@ Json grid_json(const ImageGrid& grid) {
             {"direction", direction}};
 }
 
-/// Which displacement field is which; null for files that are not written.
+/// Which displacement field is which; null for files that are not written, and what describes them.
 Json fields_json(FieldChoice written) {
-    const auto name = [](const char* file, bool is_written) {
-        return is_written ? Json(file) : Json(nullptr);
+    const auto of_image = [&](Json value) { return has_image(written) ? value : Json(nullptr); };
+    const auto of_transform = [&](Json value) {
+        return has_transform(written) ? value : Json(nullptr);
     };
     Json list = Json::array();
     for (const FieldFile& f : {forward_field, backward_field})
-        list.push_back(
-            {{"points_from", f.points_from},
-             {"points_to", f.points_to},
-             {"grid_of", f.points_from},
-             {"step_mm", displacement_step_mm},
-             {"displacement_field", name(f.field, has_image(written))},
-             {"itk_transform", name(f.transform, has_transform(written))},
-             {"itk_transform_resamples",
-              fmt::format("images of the {} onto the {}'s grid", f.points_to, f.points_from)}});
+        list.push_back({{"points_from", f.points_from},
+                        {"points_to", f.points_to},
+                        {"grid_of", f.points_from},
+                        {"step_mm", of_image(displacement_step_mm)},
+                        {"displacement_field", of_image(f.field)},
+                        {"itk_transform", of_transform(f.transform)},
+                        {"itk_transform_resamples",
+                         of_transform(fmt::format("images of the {} onto the {}'s grid",
+                                                  f.points_to, f.points_from))}});
     return list;
 }
 

@@ -140,6 +140,20 @@ LockedFolder unfinished_folder(const fs::path& target) {
     }
 }
 
+/// Runs `action`; its errors name `folder` where they named the hidden one.
+template <typename Action>
+void named_as_asked(const fs::path& folder, const fs::path& hidden, const Action& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        std::string text = error.what();
+        const std::string name = hidden.string();
+        for (std::size_t at = 0; (at = text.find(name)) != std::string::npos;)
+            text.replace(at, name.size(), folder.string());
+        throw Error(error.code(), text);
+    }
+}
+
 void write_folder(const fs::path& folder, bool overwrite,
                   const std::function<void(const fs::path&)>& fill) {
     const fs::path target = resolved(folder);
@@ -148,8 +162,10 @@ void write_folder(const fs::path& folder, bool overwrite,
         fail(folder, "exists already", "choose another folder with --out, or add --overwrite");
     Parents parents(target);
     LockedFolder temporary = unfinished_folder(target);
-    fill(temporary.path());
-    sync_tree_to_disk(temporary.path());
+    named_as_asked(folder, temporary.path(), [&] {
+        fill(temporary.path());
+        sync_tree_to_disk(temporary.path());
+    });
     if (replaces) {
         exchange(temporary.path(), target);  // the destructor removes the old one
     } else {
@@ -229,8 +245,8 @@ void write_result(const RecoveryResult& result, const fs::path& folder,
         write_text_file(inside / "result.json",
                         json_report(result, options.include_file_names, options.fields));
         write_text_file(inside / "convergence.csv", convergence_csv(result));
-        write_text_file(inside / "report.html",
-                        html_report(result, options.include_file_names, options.images));
+        write_text_file(inside / "report.html", html_report(result, options.include_file_names,
+                                                            options.images, options.fields));
         write_vtk_report(result, inside / "mesh.vtu");
         write_label_image(inside / "warped_labels.nii.gz", result.warped_labels);
         forward.get();

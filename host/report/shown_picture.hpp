@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// What the text of one image may take in the page; two make a page of about 2 MB more.
+/// What the text of one image may take in the page. Outlines for it and static slices, in which it
+/// lies a second time, come to it: 1.2 MB for one image, 2.3 MB for both.
 inline constexpr std::size_t picture_budget_bytes = 1'000'000;
 
 /// A grey picture and its text for the page.

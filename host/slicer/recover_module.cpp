@@ -116,8 +116,9 @@ void write_module_outputs(const ModuleArguments& arguments, const RecoveryResult
     outputs.write("warpedLabels",
                   [&](const path& file) { write_label_image(file, result.warped_labels); });
     outputs.write("model", [&](const path& file) { write_vtk_report(result, file); });
-    outputs.write("report",
-                  [&](const path& file) { write_text_file(file, html_report(result, false)); });
+    outputs.write("report", [&](const path& file) {
+        write_text_file(file, html_report(result, false, {}, FieldChoice::none));
+    });
     if (const std::string& folder = arguments.text("resultFolder"); !folder.empty()) {
         ResultOptions options;
         options.overwrite = true;

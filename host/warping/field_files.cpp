@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/imaging/io.hpp"
+#include "host/imaging/preflight.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -63,8 +64,7 @@ void write_fields(const fs::path& folder, const FieldFile& names, const Image<Ve
 }
 
 bool is_field_file(const fs::path& path) {
-    const std::string name = path.filename().string();
-    return is_transform_file(path) || name.ends_with(".nii") || name.ends_with(".nii.gz");
+    return is_transform_file(path) || format_of(path) == VolumeFormat::nifti;
 }
 
 void write_field(const fs::path& path, const Image<Vec3>& displacement) {

@@ -17,6 +17,7 @@
 #include <cmath>
 
 #include "host/imaging/files.hpp"
+#include "host/imaging/preflight.hpp"
 #include "host/meshing/vtk_grid.hpp"
 #include "host/surfaces/vtk_messages.hpp"
 #include "solver/base/error.hpp"
@@ -96,7 +97,7 @@ MovedGrid moved_grid(const PointMap& map, const ImageGrid& grid, double every_mm
 }
 
 void write_moved_grid(const std::filesystem::path& path, const MovedGrid& grid) {
-    if (path.extension() != ".vtp") {
+    if (!has_ending(path, ".vtp")) {
         throw Error(ErrorCode::unsupported,
                     fmt::format("cannot write '{}': a grid of lines is .vtp", path.string()));
     }

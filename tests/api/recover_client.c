@@ -3,8 +3,10 @@
 /* A program of somebody else, in C99: makes a phantom, recovers it from its label volumes, reads
  * the result, and cancels a second recovery. Argument: palpate-mesh. Exit code 0 if all went as it
  * should. */
+#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "palpate.h"
@@ -27,6 +29,35 @@ static int on_progress(void* user, const char* stage, double fraction, const cha
     ++watch->calls;
     expect(fraction <= 1 && message != NULL, "progress makes sense");
     return watch->cancel_in != NULL && strcmp(stage, watch->cancel_in) == 0;
+}
+
+static int is_there(const char* folder, const char* name) {
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE* file = fopen(path, "rb");
+    if (file != NULL) fclose(file);
+    return file != NULL;
+}
+
+static void expect_folders_with_options(const palpate_result* result,
+                                        palpate_write_options* writing) {
+    static const char* const choices[] = {"none", "one", "all", NULL};
+    char work[] = "palpate_result_XXXXXX", folder[32], command[64];
+    expect(mkdtemp(work) != NULL, "there is a folder to write into");
+    for (int k = 0; k < 4; ++k) {
+        writing->fields = choices[k];
+        snprintf(folder, sizeof folder, "%s/%d", work, k);
+        expect(palpate_result_write_with(result, folder, writing) == PALPATE_OK, "writes a folder");
+        expect(is_there(folder, "result.json") && is_there(folder, "report.html"),
+               "the folder holds a result");
+        expect(is_there(folder, "displacement.nii.gz") == (k > 0), "holds the field, if asked");
+        expect(is_there(folder, "from-target_to-reference_mode-image_xfm.h5") == (k == 2),
+               "holds the transform, if asked");
+        expect(palpate_result_write_with(result, folder, writing) == PALPATE_OUTPUT_FAILED,
+               "replaces nothing");
+    }
+    snprintf(command, sizeof command, "rm -r %s", work);
+    expect(system(command) == 0, "is cleaned up");
 }
 
 static void read_result(const palpate_result* result) {
@@ -69,6 +100,7 @@ static void read_result(const palpate_result* result) {
     expect(palpate_result_write_with(result, "/proc/nowhere/result", &writing) ==
                PALPATE_OUTPUT_FAILED,
            "says so with options, too");
+    expect_folders_with_options(result, &writing);
     writing.fields = "both";
     expect(palpate_result_write_with(result, "nowhere", &writing) == PALPATE_INVALID_ARGUMENT &&
                strstr(palpate_last_error(), "\"one\"") != NULL,

@@ -33,13 +33,20 @@ def save(path, voxels, affine):
 
 
 def made_up_image(phantom, state, path):
-    """Bladder and rectum bright in a grey slope, with every second voxel of the labels' grid along x."""
+    """Bladder and rectum bright in a grey slope, with every second voxel of the labels' grid along x;
+    the target's on a left-handed grid."""
     labels = nibabel.load(phantom / f"{state}.nii.gz")
     voxels = numpy.asarray(labels.dataobj)[::2]
     slope = sum(numpy.indices(voxels.shape))
     affine = labels.affine @ numpy.diag([2, 1, 1, 1])
     bright = numpy.isin(voxels, [label_of(phantom, organ) for organ in BRIGHT])
-    return save(path, (900 * bright + slope).astype(numpy.float32), affine)
+    grey = (900 * bright + slope).astype(numpy.float32)
+    if state == "target":
+        affine[:, 3] += affine[:, 1] * (grey.shape[1] - 1)
+        affine[:, 1] *= -1
+        grey = grey[:, ::-1]
+        assert numpy.linalg.det(affine) < 0
+    return save(path, grey, affine)
 
 
 @pytest.fixture(scope="module")
@@ -147,6 +154,19 @@ def test_an_image_that_shows_half_of_the_organs_is_told(phantom, images, tmp_pat
     assert warning.startswith("Image of the target: It shows only ")
 
 
+def test_an_image_that_shows_next_to_nothing_is_told_so(phantom, tmp_path):
+    labels = nibabel.load(phantom / "target.nii.gz")
+    is_organ = numpy.asarray(labels.dataobj) == label_of(phantom, "prostate")
+    i, j, k = numpy.argwhere(is_organ)[0]
+    affine = labels.affine.copy()
+    affine[:3, 3] = (labels.affine @ [i - 1, j, k, 1])[:3]
+    corner = save(tmp_path / "corner.nii.gz", numpy.arange(8, dtype=numpy.float32).reshape(2, 2, 2), affine)
+    finished = run_palpate(*recover_arguments(phantom, tmp_path / "out", "--target-image", corner))
+    assert finished.returncode == 0, finished.stderr
+    (warning,) = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]
+    assert warning == "Image of the target: It shows less than 1 % of the organs' voxels."
+
+
 def moved(image, by, path):
     affine = image.affine.copy()
     affine[:3, 3] += by
@@ -167,11 +187,41 @@ def test_a_missing_image_is_named(phantom, out):  # noqa: F811
 
 
 def test_there_is_an_image_for_each_target_or_for_none(phantom, images, out):  # noqa: F811
-    finished = run_palpate(*recover_arguments(phantom, out, "--target-image", *images))
-    fails_cleanly(finished, out, 2, "--target-image", "2 files for 1 target")
+    twice = ["--target-image", images[0], "--target-image", images[1]]
+    finished = run_palpate(*recover_arguments(phantom, out, *twice))
+    fails_cleanly(finished, out, 2, "--target-image", "2 times for 1 target;")
     several = recover_arguments(phantom, out, "--target-image", images[1])
     several.insert(3, phantom / "target.nii.gz")
-    fails_cleanly(run_palpate(*several), out, 2, "1 file for 2 targets")
+    fails_cleanly(run_palpate(*several), out, 2, "1 time for 2 targets;")
+
+
+def test_a_target_image_is_one_file_and_what_follows_is_a_target(phantom, images, out):  # noqa: F811
+    arguments = recover_arguments(phantom, out)
+    arguments[1:3] = ["--target-image", images[1], *arguments[1:3]]
+    arguments.append("nowhere.nii.gz")
+    fails_cleanly(run_palpate(*arguments), out, 2, "1 time for 2 targets;")
+    arguments += ["--target-image", images[1]]
+    fails_cleanly(run_palpate(*arguments), out, 3, "nowhere.nii.gz", "no such file")
+
+
+@pytest.mark.parametrize("option", ["--reference-image", "--target-image"])
+def test_an_empty_name_is_refused(option, phantom, out):  # noqa: F811
+    finished = run_palpate(*recover_arguments(phantom, out, option, ""))
+    fails_cleanly(finished, out, 3, f"{option} names no file")
+
+
+def test_each_of_several_targets_shows_its_own_image(phantom, images, tmp_path):
+    dark = nibabel.load(images[1])
+    dark = save(tmp_path / "dark.nii.gz", numpy.full(dark.shape, 7, numpy.float32), dark.affine)
+    arguments = recover_arguments(phantom, tmp_path / "out", "--target-image", images[1],
+                                  "--target-image", dark)
+    arguments.insert(3, phantom / "target.nii.gz")
+    finished = run_palpate(*arguments)
+    assert finished.returncode == 0, finished.stderr
+    folders = [tmp_path / "out" / f"target-{k}" for k in (1, 2)]
+    assert [volume_of(page_data(folder)["pictures"]["target"]).max() > 0 for folder in folders] == [True, False]
+    warnings = [json.loads((folder / "result.json").read_text())["warnings"] for folder in folders]
+    assert warnings == [[], ["Image of the target: Every voxel of it is 7, so it is black in the report."]]
 
 
 def test_a_partial_target_has_no_image(phantom, images, out):  # noqa: F811
@@ -190,7 +240,12 @@ def test_a_partial_target_has_no_image(phantom, images, out):  # noqa: F811
     ("colour.mha", hard_images.meta(hard_images.labels() * 3, [("ElementNumberOfChannels", 3)]),
      "several numbers"),
     ("hole.nii", hard_images.nifti(struct.pack("<1728f", *[1.0] * 1727, float("nan")), datatype=16,
-                                   bitpix=32), "not a finite number"),
+                                   bitpix=32), "its number 1727 is not a finite number"),
+    ("hole.mha", hard_images.meta(struct.pack("<1728f", *[1.0] * 1727, float("nan")),
+                                  [("ElementType", "MET_FLOAT")]),
+     "its number 1727 is not a finite number"),
+    ("large.nii", hard_images.nifti(struct.pack("<1728d", *[1e300] * 1728), datatype=64, bitpix=64),
+     "its number 0 is not a finite number, or too large"),
 ], ids=lambda value: value if isinstance(value, str) else "")
 def test_an_image_that_is_no_grey_volume_is_refused(name, data, word, phantom, tmp_path, out):  # noqa: F811
     path = tmp_path / name

@@ -117,7 +117,7 @@ def test_no_name_comes_out_again(files, phantom, tmp_path):
                                   reference=reference, target=nrrd, config=config)
     arguments.insert(3, meta)
     arguments.remove("--quiet")
-    arguments += ["--reference-image", reference, "--target-image", meta, nrrd]  # shown as they are
+    arguments += ["--reference-image", reference, "--target-image", meta, "--target-image", nrrd]  # shown as they are
 
     finished = run_palpate(*arguments, environment={"TMPDIR": str(temporary)})
 

@@ -15,6 +15,7 @@ FORWARD, BACKWARD = "displacement.nii.gz", "displacement_inverse.nii.gz"
 TRANSFORMS = {"there": "from-target_to-reference_mode-image_xfm.h5",  # points: reference to target
               "back": "from-reference_to-target_mode-image_xfm.h5"}
 SAME_MM = 1e-3  # what is promised between palpate and ITK
+MOST_BYTES_PER_VOXEL = 4.5  # of a displacement field; 12 as plain single precision
 
 
 def turned(places, angle=0.35):
@@ -299,7 +300,10 @@ def test_a_result_holds_the_fields_that_were_chosen(quick):
         fields = json.loads((quick / choice / "result.json").read_text())["fields"]
         told = {name for field in fields for name in (field["displacement_field"], field["itk_transform"])}
         assert told - {None} == names & {FORWARD, BACKWARD, *TRANSFORMS.values()}
-        assert [field["step_mm"] for field in fields] == [1 / 128, 1 / 128]
+        assert [field["step_mm"] for field in fields] == [None if choice == "none" else 1 / 128] * 2
+        assert [field["itk_transform_resamples"] is None for field in fields] == [choice != "all"] * 2
+        page = (quick / choice / "report.html").read_text()
+        assert {name for name in (FORWARD, BACKWARD, *TRANSFORMS.values()) if name in page} == told - {None}
 
 
 def test_fields_are_whole_steps_and_their_headers_say_so(quick):
@@ -322,6 +326,68 @@ def test_a_default_result_is_all_that_warping_needs(quick, phantom, tmp_path):
     assert min((tmp_path / f"{choice}.vtp").stat().st_size for choice in ("one", "all")) > 1000
 
 
+def test_all_fields_are_those_of_one(quick):
+    for name in (FORWARD, BACKWARD):
+        one, all_ = (nibabel.load(quick / choice / name) for choice in ("one", "all"))
+        numpy.testing.assert_array_equal(numpy.asarray(one.dataobj), numpy.asarray(all_.dataobj))
+        numpy.testing.assert_array_equal(one.affine, all_.affine)
+
+
+def test_fields_keep_to_their_budget(quick):
+    voxels = numpy.prod(nibabel.load(quick / "all" / FORWARD).shape[:3])
+    for name in (FORWARD, BACKWARD, *TRANSFORMS.values()):
+        assert (quick / "all" / name).stat().st_size < MOST_BYTES_PER_VOXEL * voxels, name
+
+
+def test_export_tells_the_sense_of_folders_only_and_rounding_of_other_numbers_only(quick, tmp_path):
+    def told(*arguments):
+        finished = run_palpate("export", *arguments, "--overwrite")
+        assert finished.returncode == 0, finished.stderr
+        return finished.stdout.strip().split(" displacements in ")[1]
+    out = ["--out", tmp_path / "out.h5"]
+    assert told(quick / "one", *out) == "mm, LPS, reference to target"
+    assert told(quick / "one", *out, "--inverse") == "mm, LPS, target to reference"
+    assert told(quick / "one" / BACKWARD, *out) == "mm, LPS"
+    field = nibabel.load(quick / "one" / FORWARD)
+    other = nibabel.Nifti1Image(numpy.asarray(field.dataobj) + numpy.float32(0.001), field.affine, field.header)
+    nibabel.save(other, tmp_path / "other.nii.gz")
+    assert told(tmp_path / "other.nii.gz", *out) == "mm, LPS, rounded to 1/128 mm"
+
+
+def test_export_takes_endings_in_any_case(quick, tmp_path):
+    for name in ("THERE.H5", "AGAIN.NII.GZ"):
+        finished = run_palpate("export", quick / "one", "--out", tmp_path / name)
+        assert finished.returncode == 0, finished.stderr
+    assert (tmp_path / "AGAIN.NII.GZ").read_bytes()[:2] == b"\x1f\x8b"
+    finished = run_palpate("export", tmp_path / "THERE.H5", "--out", tmp_path / "again.nii.gz")
+    assert finished.returncode == 0, finished.stderr
+
+
+def test_export_of_a_field_replaces_nothing_unasked(quick, tmp_path):
+    out = tmp_path / "there.h5"
+    out.write_text("mine")
+    finished = run_palpate("export", quick / "one", "--out", out)
+    assert finished.returncode == 10 and "--overwrite" in finished.stderr
+    assert out.read_text() == "mine"
+    finished = run_palpate("export", quick / "one", "--out", out, "--overwrite")
+    assert finished.returncode == 0 and out.stat().st_size > 1000, finished.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["there.h5"]
+
+
+def test_a_field_has_no_walls(quick, tmp_path):
+    finished = run_palpate("export", quick / "one", "--walls", "force", "--out", tmp_path / "there.h5")
+    assert finished.returncode == 2 and not list(tmp_path.iterdir())
+    assert "--walls" in finished.stderr and len(finished.stderr.splitlines()) == 1
+
+
+def test_export_into_a_missing_folder_is_refused_in_one_sentence(quick, tmp_path):
+    for name in ("there.h5", "there.nii.gz", "model.msh"):
+        finished = run_palpate("export", quick / "one", "--out", tmp_path / "no" / name)
+        assert finished.returncode == 10
+        assert finished.stderr == (f"palpate: cannot write '{tmp_path}/no/{name}': there is no folder "
+                                   f"'{tmp_path}/no'; make it first\n")
+
+
 def test_export_gives_the_other_format_with_the_same_numbers(quick, tmp_path):
     for name, way, more in ((FORWARD, "there", []), (BACKWARD, "back", ["--inverse"])):
         transform, image = tmp_path / f"{way}.h5", tmp_path / f"{way}.nii.gz"
@@ -333,7 +399,7 @@ def test_export_gives_the_other_format_with_the_same_numbers(quick, tmp_path):
         written = numpy.asarray(nibabel.load(quick / "one" / name).dataobj)
         for other in (image, tmp_path / f"{way}_again.nii.gz"):
             again = nibabel.load(other)
-            numpy.testing.assert_allclose(numpy.asarray(again.dataobj), written, atol=1 / 128)
+            numpy.testing.assert_array_equal(numpy.asarray(again.dataobj), written)
             numpy.testing.assert_allclose(again.affine, nibabel.load(quick / "one" / name).affine, atol=1e-4)
 
 

@@ -155,6 +155,28 @@ TEST(WriteImage, RefusesOtherFormats) {
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST(WriteImage, TakesTheEndingInAnyCase) {
+    const ScratchFolder folder;
+    const LabelImage labels{vector_image().grid, std::vector<std::uint16_t>(24, 1)};
+    for (const char* name : {"A.NII", "B.NII.GZ", "C.NRRD", "D.MHA", "e.Mha"}) {
+        write_label_image(folder / name, labels);
+        EXPECT_EQ(read_label_image(folder / name).voxels, labels.voxels) << name;
+    }
+}
+
+TEST(WriteImage, SaysWhatToDoWithMoreVoxelsThanNiftiCounts) {
+    ImageGrid grid;
+    grid.size = {40000, 2, 2};
+    try {
+        write_label_image("long.nii", {grid, std::vector<std::uint16_t>(grid.num_voxels(), 1)});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::output_failed);
+        for (const char* words : {"32767", "40000", ".nrrd", ".h5"})
+            EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << words;
+    }
+}
+
 TEST(WriteImage, SaysWhichFileCouldNotBeWritten) {
     const LabelImage labels{vector_image().grid, std::vector<std::uint16_t>(24, 1)};
     try {
@@ -206,6 +228,10 @@ TEST(WriteImage, RefusesToLeaveAFieldThatTheDiskCutOff) {
         {"field.nii.gz", write_vector_image},
         {"field.nii", write_vector_image},
         {"field.h5", write_displacement_transform},
+        {"labels.mha",
+         [](const auto& path, const auto& image) {
+             write_label_image(path, {image.grid, std::vector<std::uint16_t>(24, 1)});
+         }},
     };
     for (const auto& [name, write] : writers) {
         for (const rlim_t most_bytes : {0, 100}) {
@@ -216,6 +242,7 @@ TEST(WriteImage, RefusesToLeaveAFieldThatTheDiskCutOff) {
             } catch (const Error& error) {
                 EXPECT_EQ(error.code(), ErrorCode::output_failed) << name << ' ' << most_bytes;
                 EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+                EXPECT_EQ(std::string(error.what()).find("unfinished"), std::string::npos);
             }
             EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name << ' ' << most_bytes;
         }

@@ -19,7 +19,7 @@ constexpr std::size_t many = 10'000'000;
 double number_at(const Vec3& x) { return 1000 + 1.0 * x.x() + 2.3 * x.y() - 0.7 * x.z(); }
 
 /// A volume of `number_at` on an oblique, anisotropic grid that reaches beyond the organs.
-Image<float> slope_image() {
+Image<float> slope_image(bool left_handed = false) {
     Image<float> image;
     image.grid.size = {61, 90, 45};
     image.grid.spacing = Vec3(5, 2.6, 6.5);
@@ -27,6 +27,7 @@ Image<float> slope_image() {
         (Eigen::AngleAxisd(0.4, Vec3::UnitZ()) * Eigen::AngleAxisd(-0.3, Vec3::UnitX()) *
          Eigen::AngleAxisd(std::acos(-1.0), Vec3::UnitY()))
             .toRotationMatrix();
+    if (left_handed) image.grid.direction.col(1) *= -1;
     const Vec3 middle(30, 45, 22);
     image.grid.origin = -(image.grid.direction * middle.cwiseProduct(image.grid.spacing));
     for (Index k = 0; k < image.grid.size[2]; ++k)
@@ -72,6 +73,14 @@ TEST(GreyPicture, ShowsEveryNumberWhereItLies) {
 
     EXPECT_GT(picture.window.white, picture.window.black + 50);
     expect_numbers_of_slope(picture, volumes, {});
+}
+
+TEST(GreyPicture, ShowsALeftHandedImageWhereItLies) {
+    const LabelVolumes volumes = label_volumes(synthetic_result());
+    const Image<float> image = slope_image(true);
+    ASSERT_NEAR(image.grid.direction.determinant(), -1, 1e-12);
+
+    expect_numbers_of_slope(shown_all(image, volumes, {}, many), volumes, {});
 }
 
 TEST(GreyPicture, FollowsTheRigidTransform) {
@@ -173,10 +182,69 @@ TEST(GreyWindow, IsThatOfSoftTissueOrLungForHounsfieldUnits) {
     std::vector<float> abdomen(1000, 40.f), chest(1000, -800.f);
     std::fill(abdomen.begin(), abdomen.begin() + 100, -1000.f);  // air round the patient, bowel
     std::fill(chest.begin(), chest.begin() + 500, 40.f);
+    std::fill(chest.begin(), chest.begin() + 100, -1000.f);
 
     EXPECT_EQ(grey_window(with_numbers(abdomen), abdomen).white, 240);
     EXPECT_EQ(grey_window(with_numbers(abdomen), abdomen).black, -160);
     EXPECT_EQ(grey_window(with_numbers(chest), chest).white, 150);
+}
+
+template <typename Distribution>
+std::vector<float> drawn(Distribution distribution, bool whole = true) {
+    std::mt19937 random(11);
+    std::vector<float> numbers(20'000);
+    for (float& number : numbers) number = float(distribution(random));
+    if (whole)
+        for (float& number : numbers) number = std::round(number);
+    return numbers;
+}
+
+/// What a scanner would show of a trunk in air.
+std::vector<float> trunk_in_air() {
+    const std::vector<float> air = drawn(std::normal_distribution<>(-1000, 15)),
+                             fat = drawn(std::normal_distribution<>(-100, 20)),
+                             organs = drawn(std::normal_distribution<>(50, 20)),
+                             bone = drawn(std::uniform_real_distribution<>(200, 1400));
+    std::vector<float> numbers;
+    for (std::size_t n = 0; n < air.size(); ++n)
+        numbers.push_back(n % 10 < 4   ? air[n]
+                          : n % 10 < 6 ? fat[n]
+                          : n % 10 < 9 ? organs[n]
+                                       : bone[n]);
+    return numbers;
+}
+
+bool is_soft_tissue_or_lung(const std::vector<float>& numbers) {
+    const GreyWindow window = grey_window(with_numbers(numbers), numbers);
+    return (window.black == -160 && window.white == 240) ||
+           (window.black == -1350 && window.white == 150);
+}
+
+TEST(GreyWindow, RecognisesCtByWholeNumbersAirAndSoftTissue) {
+    std::vector<float> ct = trunk_in_air();
+    EXPECT_TRUE(is_soft_tissue_or_lung(ct));
+
+    std::vector<float> padded = ct;  // beyond the scanner's circle
+    std::fill(padded.begin(), padded.begin() + 4000, -3024.f);
+    EXPECT_TRUE(is_soft_tissue_or_lung(padded));
+
+    for (float& number : ct) number = (number + 1000) / 2400;
+    EXPECT_FALSE(is_soft_tissue_or_lung(ct));
+}
+
+TEST(GreyWindow, TakesNothingElseForCt) {
+    using Normal = std::normal_distribution<>;
+    using Uniform = std::uniform_real_distribution<>;
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Uniform(0, 4000)))) << "MR";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(300, 400)))) << "MR with values below zero";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Uniform(-4096, 4095)))) << "phase";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(0, 1), false))) << "z-scores";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Uniform(-1000, 1000)))) << "noise";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(0, 400)))) << "normal noise";
+    EXPECT_FALSE(is_soft_tissue_or_lung(drawn(Normal(40, 30)))) << "CT inside the body";
+    std::vector<float> scaled = trunk_in_air();
+    for (float& number : scaled) number += 0.37f;
+    EXPECT_FALSE(is_soft_tissue_or_lung(scaled)) << "fractions";
 }
 
 TEST(GreyWindow, IsSharedByImagesThatAreMuchAlike) {

@@ -6,14 +6,11 @@
 
 #include "host/report/markup.hpp"
 #include "solver/base/error.hpp"
+#include "tests/unit/report/holds.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 
 namespace palpate {
 namespace {
-
-bool holds(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
 
 TEST(EscapeHtml, MakesMarkupAndBrokenTextHarmless) {
     EXPECT_EQ(escape_html("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
@@ -114,6 +111,25 @@ TEST(HtmlReport, NamesInputFilesOnlyIfAsked) {
 
     EXPECT_FALSE(holds(html_report(result), "SECRETPATIENT"));
     EXPECT_TRUE(holds(html_report(result, true), "SECRETPATIENT_reference.nii.gz"));
+}
+
+TEST(HtmlReport, NamesTheDisplacementFilesThatLieBesideIt) {
+    const auto page = [](FieldChoice fields) {
+        return html_report(synthetic_result(), false, {}, fields);
+    };
+    const std::string none = page(FieldChoice::none), one = page(FieldChoice::one),
+                      all = page(FieldChoice::all);
+
+    EXPECT_TRUE(holds(none, "<code>warped_labels.nii.gz</code>.</p>"));
+    for (const FieldFile& f : {forward_field, backward_field}) {
+        EXPECT_FALSE(holds(none, f.field));
+        EXPECT_TRUE(holds(one, f.field));
+        EXPECT_TRUE(holds(all, f.field));
+        EXPECT_FALSE(holds(one, f.transform));
+        EXPECT_TRUE(holds(all, f.transform));
+    }
+    EXPECT_TRUE(holds(one, "palpate export"));
+    EXPECT_FALSE(holds(none + all, "palpate export"));
 }
 
 TEST(HtmlReport, WithoutAnUnknownModulusStillSaysWhatItIs) {

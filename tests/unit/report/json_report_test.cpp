@@ -16,6 +16,25 @@ nlohmann::json parsed(const RecoveryResult& result) {
     return nlohmann::json::parse(json_report(result));
 }
 
+TEST(JsonReport, DescribesOnlyDisplacementFilesThatAreThere) {
+    const auto field = [](FieldChoice fields) {
+        const std::string text = json_report(synthetic_result(), false, fields);
+        return nlohmann::json::parse(text)["fields"][0];
+    };
+
+    const auto none = field(FieldChoice::none), one = field(FieldChoice::one),
+               all = field(FieldChoice::all);
+
+    for (const char* key :
+         {"step_mm", "displacement_field", "itk_transform", "itk_transform_resamples"}) {
+        EXPECT_TRUE(none.at(key).is_null()) << key;
+        EXPECT_FALSE(all.at(key).is_null()) << key;
+    }
+    EXPECT_EQ(one["step_mm"], 1.0 / 128);
+    EXPECT_TRUE(one["itk_transform_resamples"].is_null());
+    EXPECT_EQ(one["grid_of"], "reference");
+}
+
 TEST(JsonReport, HoldsTheFieldsThatProgramsReadByName) {
     const nlohmann::json j = parsed(synthetic_result());
 

@@ -8,6 +8,7 @@
 #include "host/meshing/io.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
+#include "tests/unit/report/holds.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 #include "tests/unit/report/temporary_folder.hpp"
 
@@ -31,10 +32,6 @@ protected:
         write_text_file(inside / "result.json", "{}\n");
     }
 };
-
-bool holds(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
 
 TEST_F(ResultFolder, HoldsEveryFileAfterAWrite) {
     const RecoveryResult result = synthetic_result();
@@ -149,6 +146,19 @@ TEST_F(ResultFolder, FailureInTheMiddleLeavesNothing) {
               "disk full");
 
     EXPECT_EQ(names_in(folder), "");
+}
+
+TEST_F(ResultFolder, FailureInTheMiddleNamesTheFolderThatWasAskedFor) {
+    const auto nowhere = [](const std::filesystem::path& inside) {
+        write_field(inside / "no" / "field.h5", synthetic_result().displacement_field);
+    };
+
+    const std::string message =
+        refusal([&] { write_folder_atomically(folder / "out", false, nowhere); });
+
+    EXPECT_TRUE(holds(message, "cannot write '" + (folder / "out/no/field.h5").string() + "'"));
+    EXPECT_TRUE(holds(message, "there is no folder '" + (folder / "out/no").string() + "'"));
+    EXPECT_FALSE(holds(message, "unfinished")) << message;
 }
 
 TEST_F(ResultFolder, FailureWhileReplacingKeepsTheOldOne) {

@@ -116,6 +116,33 @@ TEST_F(FieldFiles, OfASenseEitherFileWillDo) {
     }
 }
 
+TEST_F(FieldFiles, TakeTheirEndingInAnyCase) {
+    const auto field = sampled(oblique_grid(), smooth_displacement);
+    for (const char* name : {"a.nii.gz", "a.h5", "B.NII.GZ", "B.H5", "c.Hdf5", "d.NII"}) {
+        EXPECT_TRUE(is_field_file(folder / name)) << name;
+        write_field(folder / name, field);
+        EXPECT_EQ(read_written_field(folder / name, Sense::reference_to_target).voxels,
+                  read_written_field(folder / "a.nii.gz", Sense::reference_to_target).voxels)
+            << name;
+    }
+    const auto size = [&](const char* name) { return std::filesystem::file_size(folder / name); };
+    EXPECT_EQ(size("B.NII.GZ"), size("a.nii.gz"));
+    EXPECT_GT(size("d.NII"), size("a.nii.gz"));
+    for (const char* name : {"a.png", "nii", "a.nii.png", "a.vtu"})
+        EXPECT_FALSE(is_field_file(folder / name)) << name;
+}
+
+/// What a field may take on disk, smooth as the solver's are.
+TEST_F(FieldFiles, StaySmall) {
+    const auto field = sampled(oblique_grid({80, 70, 40}), smooth_displacement);
+    const double voxels = double(field.voxels.size());  // of 12 bytes before rounding and packing
+
+    write_fields(folder, forward_field, field, FieldChoice::all);
+
+    EXPECT_LT(double(std::filesystem::file_size(folder / forward_field.field)), 4.5 * voxels);
+    EXPECT_LT(double(std::filesystem::file_size(folder / forward_field.transform)), 6 * voxels);
+}
+
 TEST_F(FieldFiles, AreThoseThatWereChosen) {
     const auto field = sampled(oblique_grid(), smooth_displacement);
 
