@@ -39,14 +39,24 @@ std::map<Triangle, TetFace> faces_of(const Mesh& mesh) {
 
 /// What lies beyond a boundary face: the hollow organ there, else the outside.
 Index region_beyond(const LabelField& field, const std::vector<Index>& hollow, const Vec3& centre,
-                    const Vec3& outward, double step) {
-    for (const double distance : {0.25 * step, 0.5 * step, step}) {
+                    const Vec3& outward, double edge) {
+    for (const double distance : {0.25 * edge, 0.5 * edge, edge}) {
         const Vec3 point = centre + distance * outward;
         if (!field.inside_box(point)) return outside_region;
         const Index region = field.region_at(point);
         if (std::find(hollow.begin(), hollow.end(), region) != hollow.end()) return region;
     }
-    return outside_region;
+    // A sharp end of the tissue between organs, past which those points lie: the closest organ.
+    Index beyond = outside_region;
+    double closest = edge;
+    for (const Index region : hollow) {
+        if (!field.has_region(region)) continue;
+        const double distance = std::abs(field.value(region, centre));
+        if (distance > closest) continue;
+        closest = distance;
+        beyond = region;
+    }
+    return beyond;
 }
 
 /// `mesh` restricted to the tets with a positive region, unused nodes dropped.
