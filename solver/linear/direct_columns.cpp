@@ -62,15 +62,16 @@ LinearSolverSummary DirectColumns::solve(const Columns& b, Columns& x,
                         " degrees of freedom.");
     x.resize(b.rows(), b.cols());
     const Index columns = static_cast<Index>(b.cols());
-    const Index threads = factor_->brings_threads() ? 1 : num_host_threads();
-    const Index width = factor_->block_width((columns + threads - 1) / threads);
+    // While one batch is in a factor that brings its threads, the residuals of others are computed.
+    const Index solving = factor_->brings_threads() ? 1 : num_host_threads();
+    const Index width = factor_->block_width((columns + solving - 1) / solving);
     const Index batches = (columns + width - 1) / width;
     LinearSolverSummary summary;
     std::mutex merge;
     std::atomic<Index> next{0};
     std::optional<SerialBlas> serial;
-    if (threads > 1) serial.emplace();
-    parallel_ranges(threads > 1 ? batches : 1, 1, [&](Index, Index) {
+    if (solving > 1) serial.emplace();
+    parallel_ranges(batches, 1, [&](Index, Index) {
         for (Index batch = next++; batch < batches; batch = next++) {
             const Index first = batch * width;
             const LinearSolverSummary part =

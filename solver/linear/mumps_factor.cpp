@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <mutex>
 #include <numeric>
+#include <utility>
 
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 #include "solver/linear/dissected_order.hpp"
 
 namespace palpate {
@@ -111,21 +114,17 @@ public:
 
     void solve(FactorBlock& x) const override {
         const std::size_t n = position_.size(), width = static_cast<std::size_t>(x.width());
-        std::vector<double> dense(n * width);  // [width, n], as MUMPS wants it
-        std::size_t entries = 0;
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t c = 0; c < width; ++c) {
-                dense[c * n + i] = x.row(static_cast<Index>(i))[c];
-                entries += dense[c * n + i] != 0;
-            }
-        if (entries == 0) return;
-        SparseColumns sparse;
-        const bool is_sparse = static_cast<double>(entries) < sparse_part * double(n * width);
-        if (is_sparse) sparse = sparse_columns(dense, n, width, entries);
-        solve_all(dense, width, is_sparse ? &sparse : nullptr);
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t c = 0; c < width; ++c)
-                x.row(static_cast<Index>(i))[c] = dense[c * n + i];
+        const std::size_t most_sparse = static_cast<std::size_t>(sparse_part * double(n * width));
+        SparseColumns sparse = sparse_columns(x, n, most_sparse);
+        if (sparse.is_whole && sparse.row.empty()) return;
+        const auto dense = std::make_unique_for_overwrite<double[]>(n * width);  // [width, n]
+        if (!sparse.is_whole)
+            in_tiles(x, n, [&](std::size_t i, std::size_t c, double value) {
+                dense[c * n + i] = value;
+                return value;
+            });
+        solve_all(dense.get(), width, sparse.is_whole ? &sparse : nullptr);
+        in_tiles(x, n, [&](std::size_t i, std::size_t c, double) { return dense[c * n + i]; });
     }
 
 private:
@@ -133,31 +132,57 @@ private:
     struct SparseColumns {
         std::vector<int> first, row;
         std::vector<double> value;
+        bool is_whole = false;  ///< else there were more entries than wanted
     };
 
-    static SparseColumns sparse_columns(const std::vector<double>& dense, std::size_t n,
-                                        std::size_t width, std::size_t entries) {
+    static SparseColumns sparse_columns(FactorBlock& x, std::size_t n, std::size_t most_entries) {
+        const std::size_t width = static_cast<std::size_t>(x.width());
+        std::vector<std::vector<std::pair<int, double>>> columns(width);
         SparseColumns sparse;
-        sparse.row.reserve(entries);
-        sparse.value.reserve(entries);
-        for (std::size_t c = 0; c < width; ++c) {
-            sparse.first.push_back(static_cast<int>(sparse.row.size()) + 1);
-            for (std::size_t i = 0; i < n; ++i)
-                if (dense[c * n + i] != 0) {
-                    sparse.row.push_back(static_cast<int>(i) + 1);
-                    sparse.value.push_back(dense[c * n + i]);
+        std::size_t entries = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const double* row = x.row(static_cast<Index>(i));
+            for (std::size_t c = 0; c < width; ++c)
+                if (row[c] != 0) {
+                    if (++entries > most_entries) return sparse;
+                    columns[c].emplace_back(static_cast<int>(i) + 1, row[c]);
                 }
         }
-        sparse.first.push_back(static_cast<int>(sparse.row.size()) + 1);
+        sparse.is_whole = true;
+        sparse.first.push_back(1);
+        for (const auto& column : columns) {
+            for (const auto& [row, value] : column) {
+                sparse.row.push_back(row);
+                sparse.value.push_back(value);
+            }
+            sparse.first.push_back(static_cast<int>(sparse.row.size()) + 1);
+        }
         return sparse;
     }
 
+    /// x(i, c) := change(i, c, x(i, c)) in an order that suits rows and columns, on all cores.
+    template <typename Change>
+    static void in_tiles(FactorBlock& x, std::size_t n, const Change& change) {
+        constexpr std::size_t tile = 32;
+        const std::size_t width = static_cast<std::size_t>(x.width());
+        const Index num_tiles = static_cast<Index>((n + tile - 1) / tile);
+        parallel_ranges(num_tiles, 16, [&](Index begin, Index end) {
+            for (std::size_t i0 = begin * tile; i0 < std::min(n, end * tile); i0 += tile)
+                for (std::size_t c0 = 0; c0 < width; c0 += tile)
+                    for (std::size_t i = i0; i < std::min(n, i0 + tile); ++i) {
+                        double* row = x.row(static_cast<Index>(i));
+                        for (std::size_t c = c0; c < std::min(width, c0 + tile); ++c)
+                            row[c] = change(i, c, row[c]);
+                    }
+        });
+    }
+
     /// `dense`: [width, n], right-hand sides in (unless they are in `sparse`) and solutions out.
-    void solve_all(std::vector<double>& dense, std::size_t width, SparseColumns* sparse) const {
+    void solve_all(double* dense, std::size_t width, SparseColumns* sparse) const {
         const std::lock_guard lock(one_call_at_a_time());
         mumps_.nrhs = static_cast<int>(width);
         mumps_.lrhs = mumps_.n;
-        mumps_.rhs = dense.data();
+        mumps_.rhs = dense;
         control(right_hand_side) = sparse ? 1 : 0;
         if (sparse) {
             mumps_.nz_rhs = static_cast<int>(sparse->row.size());

@@ -51,7 +51,7 @@ public:
     /// How wide the blocks for `columns` right-hand sides of one thread should be: at least 1.
     virtual Index block_width(Index columns) const = 0;
     /// Whether one call of `solve` uses all cores, through BLAS, and others wait for it: batches
-    /// are then better solved one after the other, without a SerialBlas.
+    /// are then better as wide as can be, and solved without a SerialBlas.
     virtual bool brings_threads() const { return false; }
     /// x := A^-1 x, from any number of threads at a time. Right-hand sides of few entries are
     /// cheap: what they do not reach on the way down the factor is skipped.
