@@ -28,7 +28,7 @@ def add_common(parser):
     parser.add_argument("--stiffness-kpa", type=float, help="default: drawn, 30 to 300")
     parser.add_argument("--size-mm", type=float, help="largest motion of a wall; default: drawn, 3 to 10")
     parser.add_argument("--spacing", type=float, nargs=3, default=[1.0, 1.0, 1.0], metavar="MM")
-    parser.add_argument("--step", type=float, default=5.0, help="edge of the truth's lattice, mm (default 5)")
+    parser.add_argument("--step", type=float, default=6.0, help="edge of the truth's lattice, mm (default 6)")
 
 
 def read_arguments(arguments):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .anatomy import directions_of_sphere
 from .cutting import cut_along
 
 KUHN = [(0, 1, 3, 7), (0, 1, 5, 7), (0, 2, 3, 7), (0, 2, 6, 7), (0, 4, 5, 7), (0, 4, 6, 7)]  # bits of a corner: x, y, z
@@ -23,7 +24,7 @@ def volumes(points, cells):
     return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
 
 
-def graded_axis(low, high, fine_low, fine_high, step, growth=1.35, longest=2.4):
+def graded_axis(low, high, fine_low, fine_high, step, growth=1.3, longest=1.8):
     """Coordinates from low to high, mm: equal steps between fine_low and fine_high, growing ones outside."""
     def outwards(length):
         steps = [step * min(growth ** (k + 1), longest) for k in range(100)]
@@ -53,10 +54,18 @@ def turned(points, cells):
     return cells
 
 
+def ends_of(organ, margin=6.0):
+    """(3,) lowest and highest coordinates of an organ with a margin, mm."""
+    skin = organ.surface(directions_of_sphere(500))
+    return skin.min(axis=0) - margin, skin.max(axis=0) + margin
+
+
 def mesh_anatomy(anatomy, step):
-    """Mesh of the whole box, hollow organs and bones included. step: edge of the lattice about the prostate, mm."""
-    skin = anatomy["prostate"].surface(np.concatenate([np.eye(3), -np.eye(3)]))
-    fine_low, fine_high = skin.min(axis=0) - 6.0, skin.max(axis=0) + 6.0
+    """Mesh of the whole box, hollow organs and bones included. step: edge of the lattice about the prostate, mm; it is
+    fine as far as the back of the rectum and half way up the bladder, too."""
+    fine_low, fine_high = ends_of(anatomy["prostate"])
+    bladder, rectum = ends_of(anatomy["bladder"]), ends_of(anatomy["rectum"])
+    fine_high = np.maximum(fine_high, [fine_high[0], rectum[1][1] - 4, (bladder[0][2] + bladder[1][2]) / 2])
     points, cells = lattice(*(graded_axis(*ends, step) for ends in zip(anatomy.low, anatomy.high, fine_low, fine_high)))
     on = np.zeros((len(points), 0), bool)  # which surfaces a point lies on
     for organ in anatomy.organs:

@@ -19,7 +19,7 @@ def draw_stiffness(seed):
 
 
 def make_phantom(out, seed, stiffness_kpa=None, kind=None, load=None, size_mm=None, contours="exact",
-                 spacing=(1.0, 1.0, 1.0), step=5.0):
+                 spacing=(1.0, 1.0, 1.0), step=6.0):
     """Writes the phantom's folder and returns what truth.json holds. What is None is drawn from the seed, and the same
     seed has the same anatomy, load and stiffness whatever the contours and voxels are. step: edge of the lattice, mm."""
     stiffness_kpa = stiffness_kpa or draw_stiffness(seed)
@@ -33,7 +33,7 @@ def make_phantom(out, seed, stiffness_kpa=None, kind=None, load=None, size_mm=No
             "stiffness_kpa": {"prostate": stiffness_kpa, "background": physics.BACKGROUND_KPA},
             "poisson_ratio": {"prostate": physics.PROSTATE_RATIO, "background": physics.BACKGROUND_RATIO},
             "load": truth.load, "contours": asdict(drawing), "spacing_mm": [float(s) for s in spacing],
-            "mesh": {"lattice_mm": step, "nodes": truth.solid.num_nodes, "tetrahedra": len(truth.regions),
+            "mesh": {"lattice_mm": step, "nodes": int(truth.solid.num_nodes), "tetrahedra": len(truth.regions),
                      "element": "curved tet10"}, "way_back_error_mm": error}
     settings = settings_of(anatomy, physics.BACKGROUND_KPA, physics.BACKGROUND_RATIO, physics.PROSTATE_RATIO)
     write_phantom(out, grid, reference, target, settings, told)

@@ -60,7 +60,7 @@ def pressure_force(solid, cells):
     return force
 
 
-def solve_truth(anatomy, seed, stiffness_kpa, family=None, step=5.0, size_mm=None):
+def solve_truth(anatomy, seed, stiffness_kpa, family=None, step=6.0, size_mm=None):
     """The deformation of a seed. family: one of loads.FAMILIES or "mixed"; drawn if None, as size_mm (3 to 10) is."""
     random = np.random.default_rng([seed, 202])
     drawn, size = FAMILIES[random.integers(len(FAMILIES))], random.uniform(3, 10)
