@@ -11,9 +11,10 @@ pytest.importorskip("skfem", reason="scikit-fem is not installed: scripts/python
 
 from tests.conftest import PROGRAM
 from tests.independent.__main__ import main
-from tests.independent.anatomy import directions_of_sphere, draw_anatomy
+from tests.independent.anatomy import Anatomy, directions_of_sphere, draw_anatomy
 from tests.independent.contours import KERNELS, Drawing, draw_drawing, smooth_field
 from tests.independent.field import Field
+from tests.independent.lattice import ends_of
 from tests.independent.loads import FAMILIES, MOTIONS, wall_motion
 from tests.independent.phantom import make_phantom
 from tests.independent.score import summary, wilson
@@ -71,7 +72,7 @@ def test_voxels_have_the_volume_of_the_organs():
 
 def test_target_labels_lie_on_the_moved_surface(case):
     anatomy, _, field = case
-    grid = grid_of(anatomy, (1, 1, 1))
+    grid = grid_of(anatomy, (1.5, 1.5, 1.5))
     labels, error = draw_labels(anatomy, grid, Drawing(), np.random.default_rng(0), field)
     assert error < 0.1
     prostate = anatomy["prostate"]
@@ -84,7 +85,7 @@ def test_target_labels_lie_on_the_moved_surface(case):
         inside = inside + (labels[tuple(index.T)] == prostate.label)
     outside = inside * 0.1 - 3.0
     assert abs(outside.mean()) < 0.03
-    assert outside.std() < 0.36  # that of a place within a voxel is 0.29
+    assert outside.std() < 0.5  # that of a place within a voxel is 0.43
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
@@ -103,11 +104,12 @@ def test_contour_noise_has_its_kernel(kernel):
 @pytest.mark.parametrize("style", [*KERNELS, "slices"])
 def test_drawn_contours_are_off_by_what_was_asked(style):
     """Measured from the labels: volume between shells of known distance."""
-    anatomy, sd = draw_anatomy(SEED, "round"), 0.8
+    sd, prostate = 0.8, draw_anatomy(SEED, "round")["prostate"]
+    anatomy = Anatomy("alone", [prostate], *ends_of(prostate))
     grid = grid_of(anatomy, (1, 1, 1))
     exact, _ = draw_labels(anatomy, grid, Drawing(), np.random.default_rng(0))
     offs = []
-    for k in range(3):
+    for k in range(6):
         drawn, _ = draw_labels(anatomy, grid, Drawing(style, sd, 6.0), np.random.default_rng(k))
         for organ in anatomy.organs:
             changed = np.count_nonzero((drawn == organ.label) != (exact == organ.label))
