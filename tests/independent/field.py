@@ -67,26 +67,26 @@ class Field:
 
     def origin(self, places, guess=None, rounds=25, tolerance=1e-3):
         """(N, 3) points X with X + u(X) = places, (N, 3, 3) the deformation gradient there, and (N,) what is left, mm."""
-        points = places.copy() if guess is None else guess.copy()
+        best = places.copy() if guess is None else guess.copy()
         left, gradient = np.full(len(places), np.inf), np.tile(np.eye(3), (len(places), 1, 1))
-        best, active, damping = points.copy(), np.arange(len(places)), np.ones(len(places))
+        step, part = np.zeros_like(best), np.ones(len(places))  # Newton's step from the best point, and how much of it
+        active = np.arange(len(places))
         for _ in range(rounds):
-            value, slope = self(points[active], gradient=True)
-            error = places[active] - points[active] - value
+            tried = best[active] + part[active, None] * step[active]
+            value, slope = self(tried, gradient=True)
+            error = places[active] - tried - value
             size = np.linalg.norm(error, axis=1)
-            better = size < left[active]
-            chosen = active[better]
-            left[chosen], best[chosen], gradient[chosen] = size[better], points[chosen], np.eye(3) + slope[better]
-            damping[active[~better]] *= 0.5
-            on = size > tolerance
-            active, error, slope = active[on], error[on], slope[on]
+            good = size < left[active]
+            part[active] = np.where(good, np.minimum(2 * part[active], 1), part[active] / 2)
+            chosen, full = active[good], np.eye(3) + slope[good]
+            best[chosen], left[chosen], gradient[chosen] = tried[good], size[good], full
+            full = full.copy()
+            full[np.linalg.det(full) < 0.05] = np.eye(3)
+            move = np.linalg.solve(full, error[good][:, :, None])[:, :, 0]
+            step[chosen] = move * np.minimum(1, 4.0 / np.maximum(np.linalg.norm(move, axis=1), 1e-9))[:, None]
+            active = active[left[active] > tolerance]
             if not len(active):
                 break
-            full = np.eye(3) + slope
-            full[np.linalg.det(full) < 0.05] = np.eye(3)
-            move = np.linalg.solve(full, error[:, :, None])[:, :, 0]
-            move *= np.minimum(1, 4.0 / np.maximum(np.linalg.norm(move, axis=1), 1e-9))[:, None]
-            points[active] += damping[active, None] * move
         return best, gradient, left
 
 
