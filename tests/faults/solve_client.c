@@ -3,7 +3,7 @@
 /* Solves and differentiates on a cube of tetrahedra through the C interface, as often as asked, and
  * prints what a test of faults or leaks wants to know.
  *   solve_client BACKEND METHOD TIMES [FAULT LIBRARY]
- * "status <n>" of the first failure (0 if none), "largest <mm>", and after a tenth of the times and at
+ * "status <n>" of the first failure (0 if none), "largest <mm>", and after half of the times and at
  * the end "memory <resident KiB> objects <OpenCL references, if the fault library counts them>".
  * Exit code: the status. */
 #define _DEFAULT_SOURCE
@@ -111,7 +111,7 @@ int main(int argc, char **argv) {
     palpate_status status = PALPATE_OK;
     for (int k = 0; k < times && status == PALPATE_OK; ++k) {
         status = solve(&model, &options);
-        if (k + 1 == times / 10) report(argc > 4 ? argv[4] : NULL);
+        if (k + 1 == times / 2) report(argc > 4 ? argv[4] : NULL);
     }
     double largest = 0;
     for (int i = 0; i < columns * 3 * num_nodes; ++i) largest = fmax(largest, fabs(u[i]));

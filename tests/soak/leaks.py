@@ -14,7 +14,7 @@ GROWTH = 0.01
 
 
 def figures(long):
-    times = 500 if long else 60
+    times = 500 if long else 120
     found = []
     for backend, method in (("opencl", "jacobi"), ("opencl", "multigrid"), ("reference", "direct")):
         finished = run(backend, method, times, OPENCL_FAULTS, program=BIN / "solve_client",
