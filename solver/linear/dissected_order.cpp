@@ -8,7 +8,6 @@
 #include <scotch/scotch.h>
 
 #include <algorithm>
-#include <new>
 #include <numeric>
 
 #include "solver/base/error.hpp"
@@ -55,8 +54,9 @@ Graph graph_of_rows(const Eigen::SparseMatrix<double>& lower) {
 
 /// Whether rows i and i + 1 are neighbours and have all others in common.
 bool are_alike(const Graph& rows, int i) {
-    const int *a = &rows.neighbour[rows.first[i]], *a_end = &rows.neighbour[rows.first[i + 1]];
-    const int *b = a_end, *b_end = rows.neighbour.data() + rows.first[i + 2];
+    const int* all = rows.neighbour.data();
+    const int *a = all + rows.first[i], *a_end = all + rows.first[i + 1];
+    const int *b = a_end, *b_end = all + rows.first[i + 2];
     if (a_end - a != b_end - b) return false;
     for (; a != a_end && b != b_end; ++a, ++b)
         if (*a != *b && !(*a == i + 1 && *b == i)) return false;

@@ -12,7 +12,7 @@ namespace palpate {
 /// Neighbouring rows of one pattern, as the three of a node are, stay together. The same matrix
 /// gets the same order on every call and in every process.
 /// `lower`: the lower triangle with its diagonal, rows of each column ascending.
-/// Throws Error(solve_failed) if SCOTCH refuses the graph, Error(out_of_memory) where it may.
+/// Throws Error(solve_failed) if SCOTCH refuses the graph.
 std::vector<int> dissected_order(const Eigen::SparseMatrix<double>& lower);
 
 }  // namespace palpate
