@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long does a user wait, and for what? On pelvis phantoms with 1 mm voxels (2 mm in `small`);
 // figures in docs/performance.md.
-//   files_to_folder     `palpate recover` on two label volumes, from its start to its end: the
-//   program
-//                       beside this one, or PALPATE_PROGRAM
+//   files_to_folder     `palpate recover` on two label volumes, from its start to its end:
+//                       the program beside this one, or PALPATE_PROGRAM
 //   mesh_to_answer      distance maps of the target, condensing, response model, search, full solve
 //   further_target      distances to search to full solve, the reference being prepared
 //   voxels_to_answer    label volumes in memory to the whole result
