@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport coverage_report(const std::vector<Row>& rows) {
     const auto ours = estimates_of(rows);
     const auto published = estimates_of(published_recovery());
     const auto groups = accuracy_by_group(ours);
@@ -52,7 +52,7 @@ Study make_coverage_study(const StudyOptions& options) {
                 pelvis_settings(options),
                 pelvis_columns(),
                 {},
-                report_of};
+                coverage_report};
     for (int k = 0; k < options.phantoms; ++k) {
         const unsigned seed = options.first_seed + unsigned(k);
         PelvisCase work;

@@ -92,7 +92,7 @@ double worst_error(const std::vector<Row>& rows, const std::string& truth) {
     return worst;
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport exact_surfaces_report(const std::vector<Row>& rows) {
     const auto ours = estimates_of(rows), published = estimates_of(published_recovery());
     StudyReport report;
     report.headline = fmt::format(
@@ -119,7 +119,7 @@ Study make_exact_surfaces_study(const StudyOptions& options) {
                 {"truth", "seed", "true_kpa", "expected_kpa", "found_kpa", "error_percent",
                  "low_kpa", "high_kpa", "holds_truth", "converged", "iterations", "seconds"},
                 {},
-                report_of};
+                exact_surfaces_report};
     for (const bool is_finer : {false, true})
         for (int scene = 0; scene < options.phantoms; ++scene)
             for (const double kpa : {50, 100, 150, 200, 250, 300, 350}) {

@@ -19,17 +19,17 @@ namespace {
 constexpr char doubled[] = "surroundings 20, assumed 10";
 constexpr double assumed_kpa = 10;  // of the surrounding tissue
 /// What linear elasticity leaves of such deformations: the noise at the start.
-constexpr double first_noise_mm = 0.5;
-constexpr double least_noise_mm = 0.01;
+constexpr double first_large_noise_mm = 0.5;
+constexpr double least_large_noise_mm = 0.01;
 
-struct Truth {
+struct LargeTruth {
     PelvisOptions options;
     /// The surrounding tissue is twice as stiff as assumed: half of the true stiffness is expected.
     bool is_doubled = false;
     double expected_kpa() const { return options.stiffness_kpa / (is_doubled ? 2 : 1); }
 };
 
-std::string name_of(const Truth& truth) {
+std::string name_of(const LargeTruth& truth) {
     return truth.is_doubled ? doubled : "surroundings known";
 }
 
@@ -38,39 +38,40 @@ struct Outcome {
     double seconds = 0;  ///< from the mesh to the answer
 };
 
-Outcome recover_from_surfaces(const Truth& truth, const StudyOptions& options,
-                              const ProgressSink& progress) {
+Outcome recover_large(const LargeTruth& truth, const StudyOptions& options,
+                      const ProgressSink& progress) {
     LinearSolverOptions solver = options.solver;
     solver.relative_tolerance = 1e-10;
     PelvisPhantom phantom = make_pelvis(truth.options, solver, options.mesher, progress);
     phantom.settings.background->stiffness_kpa = assumed_kpa;
     const auto begin = std::chrono::steady_clock::now();
     StageTimer timer;
-    const Mechanics rest = make_mechanics(phantom.mesh, phantom.settings, solver,
-                                          {exact_response(0.1 * first_noise_mm)}, timer, progress);
+    const Mechanics rest =
+        make_mechanics(phantom.mesh, phantom.settings, solver,
+                       {exact_response(0.1 * first_large_noise_mm)}, timer, progress);
     FiniteStrainOptions search;
-    search.search = exact_search(first_noise_mm);
+    search.search = exact_search(first_large_noise_mm);
     search.search.noise_iterations = 3;
     search.search.modulus_tolerance_sd = MapOptions{}.modulus_tolerance_sd;
     search.search.max_iterations = 40;
-    search.search.smallest_noise_scale = least_noise_mm / first_noise_mm;
-    search.displacement_tolerance_mm = 0.5 * least_noise_mm;
+    search.search.smallest_noise_scale = least_large_noise_mm / first_large_noise_mm;
+    search.displacement_tolerance_mm = 0.5 * least_large_noise_mm;
     search.modulus_tolerance_sd = 0.3;
     search.model_sd_ln = 0;
     search.max_rounds = 12;
     search.response = exact_response(0.002);
     search.solver = solver;
     Outcome outcome;
-    outcome.found = search_finite_strain(rest, TissueLaw::neo_hookean,
-                                         exact_observations(rest.recovery, phantom, first_noise_mm),
-                                         search, progress);
+    outcome.found = search_finite_strain(
+        rest, TissueLaw::neo_hookean,
+        exact_observations(rest.recovery, phantom, first_large_noise_mm), search, progress);
     outcome.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return outcome;
 }
 
-Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& progress) {
-    const Outcome outcome = recover_from_surfaces(truth, options, progress);
+Row large_row(const LargeTruth& truth, const StudyOptions& options, const ProgressSink& progress) {
+    const Outcome outcome = recover_large(truth, options, progress);
     const MapEstimate& found = outcome.found.estimate;
     const double kpa = std::exp(found.theta[0]), expected = truth.expected_kpa();
     const double linear = std::exp(outcome.found.first.theta[0]);
@@ -130,7 +131,7 @@ std::ptrdiff_t num_unsettled(const std::vector<Row>& rows) {
     return std::ranges::count_if(rows, [](const Row& row) { return !row.flag("converged"); });
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport neo_hookean_report(const std::vector<Row>& rows) {
     const auto known = rows_with(rows, false), twice = rows_with(rows, true);
     const TextTable known_table = beside_table(known, "true E, kPa", published_neo_hookean());
     const TextTable twice_table = beside_table(twice, "expected E, kPa", published_surroundings());
@@ -156,7 +157,7 @@ StudyReport report_of(const std::vector<Row>& rows) {
     report.sections = {
         accuracy_section(estimates_of(known), estimates_of(published_neo_hookean()),
                          "true E of the prostate, kPa",
-                         "Truth and recovery share mesh and law, and there are no voxels."),
+                         "LargeTruth and recovery share mesh and law, and there are no voxels."),
         {"Recovered stiffness, kPa",
          known_table.html("beside") +
              "<p class='caption'>Linear: what linear elasticity makes of the same surfaces, with "
@@ -189,19 +190,19 @@ Study make_neo_hookean_study(const StudyOptions& options) {
                  "low_kpa", "high_kpa", "holds_truth", "linear_kpa", "linear_error_percent",
                  "converged", "rounds", "seconds"},
                 {},
-                report_of};
+                neo_hookean_report};
     for (const bool is_doubled : {false, true})
         for (int scene = 0; scene < options.phantoms; ++scene)
             for (const double kpa : {50, 100, 150, 200}) {
-                Truth truth{pelvis_options(options, options.first_seed + unsigned(scene), kpa),
-                            is_doubled};
+                LargeTruth truth{pelvis_options(options, options.first_seed + unsigned(scene), kpa),
+                                 is_doubled};
                 truth.options.law = TissueLaw::neo_hookean;
                 truth.options.num_nodes = options.mesher.num_nodes;
                 if (is_doubled) truth.options.background_stiffness_kpa = 2 * assumed_kpa;
                 const std::string id = fmt::format(
                     "{}-seed-{}-e{:g}", is_doubled ? "doubled" : "known", truth.options.seed, kpa);
                 study.cases.push_back({id, id, [truth, options](const ProgressSink& progress) {
-                                           return row_of(truth, options, progress);
+                                           return large_row(truth, options, progress);
                                        }});
             }
     return study;

@@ -91,7 +91,7 @@ double largest_spread(const std::vector<Row>& rows) {
     return spread;
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport parameter_scan_report(const std::vector<Row>& rows) {
     const double spread = largest_spread(rows);
     StudyReport report;
     report.headline = fmt::format(
@@ -128,7 +128,7 @@ Study make_parameter_scan(const StudyOptions& options) {
                 pelvis_settings(options),
                 pelvis_columns(),
                 {},
-                report_of};
+                parameter_scan_report};
     study.columns.insert(study.columns.begin(), "prior_median_kpa");
     study.columns.push_back("profile");
     for (int scene = 0; scene < options.phantoms; ++scene)

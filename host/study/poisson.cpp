@@ -19,7 +19,7 @@ constexpr double assumed_ratio = 0.40;
 const std::vector<std::string> colours{"#2f86c9", "#009e73", "#d55e00", "#8a63c9"};
 
 /// One line per true ratio, one column per true stiffness: the mean error of the scenes.
-TextTable error_table(const std::vector<Row>& rows) {
+TextTable ratio_error_table(const std::vector<Row>& rows) {
     std::map<std::pair<double, double>, std::vector<double>> errors;
     for (const Row& row : rows)
         errors[{row.number("true_kpa"), row.number("true_poisson_ratio")}].push_back(
@@ -66,7 +66,7 @@ double worst_error(const std::vector<Row>& rows, double ratio) {
     return worst;
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport poisson_report(const std::vector<Row>& rows) {
     StudyReport report;
     report.headline = fmt::format(
         "A prostate of Poisson's ratio 0.30 or 0.49 instead of 0.40: error up to {:.0f} and {:.0f} "
@@ -76,14 +76,14 @@ StudyReport report_of(const std::vector<Row>& rows) {
         "Recoveries assume a Poisson's ratio unless they are asked to search it too. Here the "
         "prostate truly has another ratio than the assumed 0.40."};
     report.sections = {{"Error by true ratio",
-                        error_table(rows).html("beside") +
+                        ratio_error_table(rows).html("beside") +
                             "<p class='caption'>Mean over the scenes. " + published_source() +
                             "</p>",
                         {error_over_ratio(rows)}}};
     for (const double ratio : {0.30, 0.35, 0.40, 0.45, 0.49})
         report.facts.emplace_back(fmt::format("ratio {:.2f}: worst_abs_error_percent", ratio),
                                   worst_error(rows, ratio));
-    report.text = error_table(rows).plain();
+    report.text = ratio_error_table(rows).plain();
     return report;
 }
 
@@ -95,7 +95,7 @@ Study make_poisson_study(const StudyOptions& options) {
                 pelvis_settings(options),
                 pelvis_columns(),
                 {},
-                report_of};
+                poisson_report};
     study.columns.insert(study.columns.begin(), "true_poisson_ratio");
     for (int scene = 0; scene < options.phantoms; ++scene)
         for (const double stiffness_kpa : {50, 100, 150, 200})

@@ -99,7 +99,7 @@ std::string published_table() {
     return table.html() + "<p class='caption'>" + published_source() + "</p>";
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport registration_report(const std::vector<Row>& rows) {
     const auto ours = column_of(rows, "landmark_mean_mm");
     const auto demons = column_of(rows, "demons_mean_mm");
     StudyReport report;
@@ -129,7 +129,7 @@ Study make_registration_study(const StudyOptions& options) {
                 pelvis_settings(options),
                 pelvis_columns(),
                 {},
-                report_of};
+                registration_report};
     for (const char* column :
          {"moved_mean_mm", "demons_mean_mm", "demons_max_mm", "demons_seconds"})
         study.columns.push_back(column);

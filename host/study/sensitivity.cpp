@@ -100,7 +100,7 @@ TextTable sensitivity_table(const std::vector<Row>& rows) {
     return table;
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport sensitivity_report(const std::vector<Row>& rows) {
     double worst = 0;
     for (const Row& row : rows) worst = std::max(worst, std::abs(row.number("error_percent")));
     const auto change_at = [](double modulus_kpa) {
@@ -140,7 +140,7 @@ Study make_sensitivity_study(const StudyOptions& options) {
                 {"modulus_kpa", "pressure_kpa", "radius_mm", "solved_radius_mm", "error_percent",
                  "change_per_10_percent_mm"},
                 {},
-                report_of};
+                sensitivity_report};
     for (const double pressure : pressures_kpa)
         for (const double modulus : moduli_kpa)
             study.cases.push_back({fmt::format("e{:g}-p{:g}", modulus, pressure),

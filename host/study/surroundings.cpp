@@ -11,7 +11,7 @@ namespace {
 
 constexpr double true_kpa = 20, assumed_kpa = 10;  // of the surrounding tissue
 
-TextTable beside_table(const std::vector<Row>& rows) {
+TextTable surroundings_table(const std::vector<Row>& rows) {
     BesideTable table("expected E, kPa");
     for (const Row& row : rows)
         table.add(row.number("expected_kpa"), "palpate, seed " + row.text("seed"),
@@ -21,7 +21,7 @@ TextTable beside_table(const std::vector<Row>& rows) {
     return table.table();
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport surroundings_report(const std::vector<Row>& rows) {
     const auto ours = estimates_of(rows);
     const auto published = estimates_of(published_surroundings());
     const auto groups = accuracy_by_group(ours);
@@ -36,9 +36,9 @@ StudyReport report_of(const std::vector<Row>& rows) {
         "true stiffness is the right answer, and is called expected here.",
         true_kpa, assumed_kpa)};
     report.sections = {accuracy_section(ours, published, "expected E of the prostate, kPa"),
-                       {"Recovered stiffness, kPa", beside_table(rows).html("beside"), {}}};
+                       {"Recovered stiffness, kPa", surroundings_table(rows).html("beside"), {}}};
     report.facts = facts_of(groups);
-    report.text = beside_table(rows).plain();
+    report.text = surroundings_table(rows).plain();
     return report;
 }
 
@@ -50,7 +50,7 @@ Study make_surroundings_study(const StudyOptions& options) {
                 pelvis_settings(options),
                 pelvis_columns(),
                 {},
-                report_of};
+                surroundings_report};
     for (int scene = 0; scene < options.phantoms; ++scene)
         for (const double stiffness_kpa : {50, 100, 150, 200}) {
             PelvisCase work;

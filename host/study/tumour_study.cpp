@@ -24,7 +24,7 @@ double lower_bound_kpa(double fraction) {
     return 1 / ((1 - fraction) / healthy_kpa + fraction / tumour_kpa);
 }
 
-TextTable beside_table(const std::vector<Row>& rows) {
+TextTable tumour_table(const std::vector<Row>& rows) {
     BesideTable table("tumour, % of the prostate");
     for (const Row& row : rows) {
         const double fraction = row.number("tumour_fraction");
@@ -91,7 +91,7 @@ double ratio_at(const std::vector<Row>& rows, double fraction) {
     return count > 0 && num_healthy > 0 ? sum / count / (healthy / num_healthy) : 0;
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport tumour_report(const std::vector<Row>& rows) {
     StudyReport report;
     report.headline = fmt::format(
         "A tumour twice as stiff in half of the prostate raises its stiffness by {:.0f} %",
@@ -100,14 +100,14 @@ StudyReport report_of(const std::vector<Row>& rows) {
         "A tumour of 100 kPa grows as a ball inside a prostate of 50 kPa. It has no label: the "
         "recovery knows one prostate and finds one stiffness for the whole."};
     report.sections = {{"Recovered stiffness of the whole, kPa",
-                        beside_table(rows).html("beside") +
+                        tumour_table(rows).html("beside") +
                             "<p class='caption'>In brackets: 95 % interval. " + published_source() +
                             "</p>",
                         {found_over_fraction(rows)}}};
     for (const double fraction : {0.10, 0.25, 0.50, 0.75})
         report.facts.emplace_back(fmt::format("fraction {:.2f}: ratio_to_healthy", fraction),
                                   ratio_at(rows, fraction));
-    report.text = beside_table(rows).plain();
+    report.text = tumour_table(rows).plain();
     return report;
 }
 
@@ -119,7 +119,7 @@ Study make_tumour_study(const StudyOptions& options) {
                 pelvis_settings(options),
                 pelvis_columns(),
                 {},
-                report_of};
+                tumour_report};
     for (const char* column : {"holds_truth", "error_percent", "expected_kpa", "true_kpa"})
         study.columns.erase(std::find(study.columns.begin(), study.columns.end(), column));
     study.columns.insert(study.columns.begin(), "tumour_fraction");

@@ -230,7 +230,7 @@ std::string trap_captions() {
            "an organ is too stiff to deform.</p>";
 }
 
-StudyReport report_of(const std::vector<Row>& rows) {
+StudyReport zones_report(const std::vector<Row>& rows) {
     const auto two_zones = rows_of(rows, true), trapped = rows_of(rows, false);
     const auto all = estimates(two_zones, "", ""),
                recovered = estimates(two_zones, "", "recovered");
@@ -273,8 +273,8 @@ StudyReport report_of(const std::vector<Row>& rows) {
 
 Study make_zones_study(const StudyOptions& options) {
     Study study{
-        "zones",  "Two zones of unknown stiffness", pelvis_settings(options), zone_columns(), {},
-        report_of};
+        "zones",     "Two zones of unknown stiffness", pelvis_settings(options), zone_columns(), {},
+        zones_report};
     const auto add = [&](Kind kind, unsigned seed) {
         study.cases.push_back(
             {fmt::format("{}-seed-{}", name_of(kind), seed),

@@ -22,7 +22,7 @@ function(palpate_precompile target)
 endfunction()
 
 # palpate_quick_build(<target> <precompiled> [ONE_BY_ONE]): ONE_BY_ONE where sources of a folder use the
-# same words, each for itself, as tests and studies do.
+# same words, each for itself, as tests do.
 function(palpate_quick_build target precompiled)
   if(NOT PALPATE_QUICK_BUILD)
     return()
