@@ -18,18 +18,18 @@ namespace {
 
 constexpr char doubled[] = "surroundings 20, assumed 10";
 constexpr double assumed_kpa = 10;  // of the surrounding tissue
-/// What linear elasticity leaves of such deformations: the noise at the start.
-constexpr double first_large_noise_mm = 0.5;
-constexpr double least_large_noise_mm = 0.01;
+/// What linear elasticity leaves of such deformations, taken for noise at the start.
+constexpr double linear_noise_mm = 0.5;
+constexpr double smallest_noise_mm = 0.01;
 
-struct LargeTruth {
+struct NeoHookeanTruth {
     PelvisOptions options;
     /// The surrounding tissue is twice as stiff as assumed: half of the true stiffness is expected.
     bool is_doubled = false;
     double expected_kpa() const { return options.stiffness_kpa / (is_doubled ? 2 : 1); }
 };
 
-std::string name_of(const LargeTruth& truth) {
+std::string name_of(const NeoHookeanTruth& truth) {
     return truth.is_doubled ? doubled : "surroundings known";
 }
 
@@ -38,24 +38,23 @@ struct Outcome {
     double seconds = 0;  ///< from the mesh to the answer
 };
 
-Outcome recover_large(const LargeTruth& truth, const StudyOptions& options,
-                      const ProgressSink& progress) {
+Outcome recover_neo_hookean(const NeoHookeanTruth& truth, const StudyOptions& options,
+                            const ProgressSink& progress) {
     LinearSolverOptions solver = options.solver;
     solver.relative_tolerance = 1e-10;
     PelvisPhantom phantom = make_pelvis(truth.options, solver, options.mesher, progress);
     phantom.settings.background->stiffness_kpa = assumed_kpa;
     const auto begin = std::chrono::steady_clock::now();
     StageTimer timer;
-    const Mechanics rest =
-        make_mechanics(phantom.mesh, phantom.settings, solver,
-                       {exact_response(0.1 * first_large_noise_mm)}, timer, progress);
+    const Mechanics rest = make_mechanics(phantom.mesh, phantom.settings, solver,
+                                          {exact_response(0.1 * linear_noise_mm)}, timer, progress);
     FiniteStrainOptions search;
-    search.search = exact_search(first_large_noise_mm);
+    search.search = exact_search(linear_noise_mm);
     search.search.noise_iterations = 3;
     search.search.modulus_tolerance_sd = MapOptions{}.modulus_tolerance_sd;
     search.search.max_iterations = 40;
-    search.search.smallest_noise_scale = least_large_noise_mm / first_large_noise_mm;
-    search.displacement_tolerance_mm = 0.5 * least_large_noise_mm;
+    search.search.smallest_noise_scale = smallest_noise_mm / linear_noise_mm;
+    search.displacement_tolerance_mm = 0.5 * smallest_noise_mm;
     search.modulus_tolerance_sd = 0.3;
     search.model_sd_ln = 0;
     search.max_rounds = 12;
@@ -63,15 +62,16 @@ Outcome recover_large(const LargeTruth& truth, const StudyOptions& options,
     search.solver = solver;
     Outcome outcome;
     outcome.found = search_finite_strain(
-        rest, TissueLaw::neo_hookean,
-        exact_observations(rest.recovery, phantom, first_large_noise_mm), search, progress);
+        rest, TissueLaw::neo_hookean, exact_observations(rest.recovery, phantom, linear_noise_mm),
+        search, progress);
     outcome.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return outcome;
 }
 
-Row large_row(const LargeTruth& truth, const StudyOptions& options, const ProgressSink& progress) {
-    const Outcome outcome = recover_large(truth, options, progress);
+Row neo_hookean_row(const NeoHookeanTruth& truth, const StudyOptions& options,
+                    const ProgressSink& progress) {
+    const Outcome outcome = recover_neo_hookean(truth, options, progress);
     const MapEstimate& found = outcome.found.estimate;
     const double kpa = std::exp(found.theta[0]), expected = truth.expected_kpa();
     const double linear = std::exp(outcome.found.first.theta[0]);
@@ -157,7 +157,7 @@ StudyReport neo_hookean_report(const std::vector<Row>& rows) {
     report.sections = {
         accuracy_section(estimates_of(known), estimates_of(published_neo_hookean()),
                          "true E of the prostate, kPa",
-                         "LargeTruth and recovery share mesh and law, and there are no voxels."),
+                         "Truth and recovery share mesh and law, and there are no voxels."),
         {"Recovered stiffness, kPa",
          known_table.html("beside") +
              "<p class='caption'>Linear: what linear elasticity makes of the same surfaces, with "
@@ -194,15 +194,15 @@ Study make_neo_hookean_study(const StudyOptions& options) {
     for (const bool is_doubled : {false, true})
         for (int scene = 0; scene < options.phantoms; ++scene)
             for (const double kpa : {50, 100, 150, 200}) {
-                LargeTruth truth{pelvis_options(options, options.first_seed + unsigned(scene), kpa),
-                                 is_doubled};
+                NeoHookeanTruth truth{
+                    pelvis_options(options, options.first_seed + unsigned(scene), kpa), is_doubled};
                 truth.options.law = TissueLaw::neo_hookean;
                 truth.options.num_nodes = options.mesher.num_nodes;
                 if (is_doubled) truth.options.background_stiffness_kpa = 2 * assumed_kpa;
                 const std::string id = fmt::format(
                     "{}-seed-{}-e{:g}", is_doubled ? "doubled" : "known", truth.options.seed, kpa);
                 study.cases.push_back({id, id, [truth, options](const ProgressSink& progress) {
-                                           return large_row(truth, options, progress);
+                                           return neo_hookean_row(truth, options, progress);
                                        }});
             }
     return study;
