@@ -42,7 +42,9 @@ static int is_there(const char* folder, const char* name) {
 static void expect_folders_with_options(const palpate_result* result,
                                         palpate_write_options* writing) {
     static const char* const choices[] = {"none", "one", "all", NULL};
-    char work[] = "palpate_result_XXXXXX", folder[32], command[64];
+    char work[] = "palpate_result_XXXXXX"; /* mkdtemp replaces the six letters */
+    char folder[sizeof work + 2];          /* work/k */
+    char command[sizeof work + 6];         /* rm -r work */
     expect(mkdtemp(work) != NULL, "there is a folder to write into");
     for (int k = 0; k < 4; ++k) {
         writing->fields = choices[k];
