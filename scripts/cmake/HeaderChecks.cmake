@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiles every header alone once: each must include what it uses.
 
-# palpate_reaches_eigen(<variable> <header>): whether Eigen/Core is included by it, however deep.
+# palpate_reaches_eigen(<variable> <header>): whether Eigen/Core is included by it, however deep, when
+# the build is configured.
 function(palpate_reaches_eigen variable header)
   get_property(known GLOBAL PROPERTY "palpate_reaches_eigen_${header}" SET)
   if(NOT known)
