@@ -3,7 +3,7 @@
 #include "host/cli/options.hpp"
 
 #include "solver/backend/registry.hpp"
-#include "solver/linear/sparse_factor.hpp"
+#include "solver/linear/factor_libraries.hpp"
 
 namespace palpate {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pipeline/version.hpp"
 
-#include "solver/linear/sparse_factor.hpp"
+#include "solver/linear/factor_libraries.hpp"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solver/linear/sparse_factor.hpp"
+#include "solver/linear/factor_libraries.hpp"
 
 namespace palpate {
 namespace {

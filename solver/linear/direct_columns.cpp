@@ -11,6 +11,7 @@
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
+#include "solver/linear/factor_libraries.hpp"
 
 namespace palpate {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "solver/base/error.hpp"
+#include "solver/linear/factor_libraries.hpp"
 #include "solver/linear/free_dofs.hpp"
-#include "solver/linear/sparse_factor.hpp"
 
 namespace palpate {
 namespace {

@@ -62,10 +62,4 @@ protected:
     static void require_definite(bool finished, double smallest_pivot, double largest_pivot);
 };
 
-/// "mumps", "cholmod", "eigen": the libraries compiled into this build, in order of preference.
-const std::vector<std::string>& sparse_factor_names();
-
-/// `name` empty: the first of the list. Throws Error(unsupported) naming those that there are.
-std::unique_ptr<SparseFactor> make_sparse_factor(const std::string& name);
-
 }  // namespace palpate

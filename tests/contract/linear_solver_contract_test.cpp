@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "solver/linear/direct.hpp"
-#include "solver/linear/sparse_factor.hpp"
+#include "solver/linear/factor_libraries.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/meshes.hpp"

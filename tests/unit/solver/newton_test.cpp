@@ -8,7 +8,7 @@
 #include <set>
 
 #include "solver/base/error.hpp"
-#include "solver/linear/sparse_factor.hpp"
+#include "solver/linear/factor_libraries.hpp"
 #include "solver/model/surface_load.hpp"
 #include "tests/fixtures/solid_models.hpp"
 

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "solver/base/parallel.hpp"
+#include "solver/linear/factor_libraries.hpp"
 #include "solver/linear/supernodal_solve.hpp"
 #include "tests/fixtures/columns.hpp"
 
