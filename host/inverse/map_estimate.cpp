@@ -20,6 +20,9 @@ namespace {
 constexpr int remembered_steps = 8;
 constexpr int needed_quiet_steps = 3;
 constexpr int tolerated_stalls = 8;
+/// What voxels leave of sigma_n once terraces and contours are told apart from it.
+constexpr double independent_part = 0.45;
+constexpr double first_contour_mm = 0.3, least_contour_mm = 0.05, most_contour_mm = 1.5;
 constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven component, in Anderson
 
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.
@@ -85,6 +88,7 @@ private:
     State accelerated_step(const State& from, const ModulusMinimum& best,
                            AndersonAcceleration& acceleration, bool& improved) const;
     State blind_step(const State& from, const ModulusMinimum& best) const;
+    void start_noise();
     bool update_noise(const ModulusMinimum& best, const State& state);
     void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
@@ -214,18 +218,25 @@ State Search::blind_step(const State& from, const ModulusMinimum& best) const {
                     from.seen.seen);
 }
 
-/// sigma_n^2 such that the observed residual has the size that its own model predicts:
-/// E[r^T R^-1 r] = trace(R C^-1) for r = R C^-1 e. Terraces are taken where the surfaces have come
-/// to. Returns whether sigma_n changed by more than 2 %.
+void Search::start_noise() {
+    if (!options_.estimate_noise) return;
+    noise_.start(std::max(independent_part, options_.smallest_noise_scale),
+                 options_.contour_mm < 0 ? first_contour_mm : options_.contour_mm);
+}
+
+/// The contours' error such that the observed residual has the size that its own model predicts:
+/// E[r^T r] = tr(R C^-1 R) for r = R C^-1 e. Without weights, because those of R^-1 ask the
+/// shortest waves, where its kernel is least certain and the moduli do not show. Terraces are taken
+/// where the surfaces have come to. Returns whether it changed by more than 2 %.
 bool Search::update_noise(const ModulusMinimum& best, const State& state) {
-    double factor = 1;
-    if (options_.estimate_noise && best.fit.effective_rows >= 1) {
-        factor =
-            std::clamp(std::sqrt(best.fit.weighted_misfit / best.fit.effective_rows), 0.5, 2.0);
+    double contour_mm = noise_.contour_mm();
+    if (options_.contour_mm < 0 && options_.estimate_noise && best.fit.expected_misfit_mm2 > 0) {
+        const double factor = best.fit.misfit_mm2 / best.fit.expected_misfit_mm2;
+        contour_mm = std::clamp(noise_.contour_mm_for(factor), least_contour_mm, most_contour_mm);
     }
-    const bool changed = std::abs(factor - 1.0) >= 0.02;
-    const double scale = changed ? noise_.scale() * factor : noise_.scale();
-    noise_.update(std::clamp(scale, options_.smallest_noise_scale, 20.0), state.seen);
+    const bool changed = std::abs(contour_mm - noise_.contour_mm()) >= 0.02 * contour_mm &&
+                         contour_mm != noise_.contour_mm();
+    noise_.update(noise_.scale(), changed ? contour_mm : noise_.contour_mm(), state.seen);
     return changed;
 }
 
@@ -241,9 +252,10 @@ void Search::record(int iteration, const State& state, const ModulusMinimum& bes
         text += fmt::format(" {:.4g} kPa,", entry.stiffness_kpa.back());
     }
     records_.push_back(entry);
-    report_progress(progress_, "searching", -1,
-                    fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, noise x {:.2f}",
-                                iteration, text, step, entry.objective, noise_.scale()));
+    report_progress(
+        progress_, "searching", -1,
+        fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, contours {:.2f} mm",
+                    iteration, text, step, entry.objective, noise_.contour_mm()));
 }
 
 MapEstimate Search::run() {
@@ -252,10 +264,11 @@ MapEstimate Search::run() {
         theta[k] = options_.start_kpa > 0 ? std::log(options_.start_kpa) : priors_[k].mean_ln;
     }
     const Counted all(observations_.num_rows(), 1);
+    start_noise();
     State state =
         settle_walls(recounted(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, all)));
 
-    noise_.update(noise_.scale(), state.seen);
+    noise_.update(noise_.scale(), noise_.contour_mm(), state.seen);
     return iterate(recounted(state), true);
 }
 
@@ -342,6 +355,7 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.unknown = priors_;
     estimate.theta = state.theta;
     estimate.noise_scale = noise_.scale();
+    estimate.contour_mm = noise_.contour_mm();
     estimate.noise = std::make_shared<SurfaceNoise>(noise_);
     estimate.records = records_;
     estimate.termination = termination;

@@ -26,8 +26,10 @@ struct MapOptions {
     double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
     /// If above 1: every modulus stays within this factor of where the search starts.
     double reach = 0;
-    double start_kpa = 0;               ///< of all unknown moduli; 0: the prior's median
-    bool estimate_noise = true;         ///< scale sigma_n to what the observed surface shows
+    double start_kpa = 0;        ///< of all unknown moduli; 0: the prior's median
+    bool estimate_noise = true;  ///< find the contours' error from the observed surface
+    /// Standard deviation (mm) of the contours of both images together; below 0: to be found.
+    double contour_mm = -1;
     double smallest_noise_scale = 0.3;  ///< lower for surfaces without voxels
     /// sigma_n and the terraces are held from here on, so that the steps can settle.
     int noise_iterations = 6;
@@ -47,7 +49,8 @@ struct MapEstimate {
     /// The problem linearised at the estimate, for the uncertainty of whatever follows from the
     /// wall motion; valid as long as the response model and the walls' prior are.
     std::shared_ptr<const LinearisedProblem> posterior;
-    double noise_scale = 1;                     ///< factor on sigma_n that the data asked for
+    double noise_scale = 1;                     ///< factor on sigma_n
+    double contour_mm = 0;                      ///< of the contours of both images together
     std::shared_ptr<const SurfaceNoise> noise;  ///< as it was in the end; valid as the observations
     std::vector<std::uint8_t> counted;          ///< [num rows] those that the objective is over
     /// Minus the log posterior at the estimate, the wall motion integrated out, up to a constant

@@ -83,6 +83,15 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
         for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
         noise(j, j) = noise_variance(row);
     }
+    noise_trace_ = noise.trace();
+    target_squares_ = target.squaredNorm();
+    squares_.setZero(model_.num_modes(), model_.num_modes());
+    target_along_modes_.setZero(model_.num_modes());
+    if (num_rows_ > 0 && model_.num_modes() > 0) {
+        squares_.selfadjointView<Eigen::Lower>().rankUpdate(seen_modes.transpose());
+        squares_.triangularView<Eigen::StrictlyUpper>() = squares_.transpose();
+        target_along_modes_ = seen_modes.transpose() * target;
+    }
     const auto noise_factor = cholesky(noise, "covariance of the noise");
     noise_factor.matrixL().solveInPlace(seen_modes);
     noise_factor.matrixL().solveInPlace(target);
@@ -175,6 +184,13 @@ LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) cons
     response.inner.matrixL().solveInPlace(root_inverse);
     result.effective_rows =
         static_cast<double>(num_observed_rows() - rank()) + root_inverse.squaredNorm();
+    // r = y + G_o V z, z = s + X w;  tr(R C^-1 R) = tr R - tr(M^-1 (J P)^T J P), J P = -G_o V X.
+    const auto moved = response.shapes.leftCols(rank());
+    const Eigen::VectorXd shape = response.shapes.col(rank()) + moved * response.motion;
+    result.misfit_mm2 = target_squares_ + shape.dot(2.0 * target_along_modes_ + squares_ * shape);
+    result.expected_misfit_mm2 =
+        noise_trace_ -
+        response.inner.solve(moved.transpose() * (squares_ * moved)).diagonal().sum();
     const Eigen::VectorXd force =
         -(model_.coupling(response.kpa).transpose() * response.equilibrium.solve(response.pull));
     result.driven += walls_.conditioned(model_.spread() * force);

@@ -43,17 +43,39 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
     factorise();
 }
 
-void SurfaceNoise::update(double scale, const ObservedState& state) {
+void SurfaceNoise::start(double scale, double contour_mm) {
     scale_ = scale;
+    contour_mm_ = contour_mm;
+    factorise();
+}
+
+void SurfaceNoise::update(double scale, double contour_mm, const ObservedState& state) {
+    scale_ = scale;
+    contour_mm_ = contour_mm;
     const std::vector<Terraces> terraces = observations_->terraces(state);
     for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k].terraces = terraces[k];
     factorise();
 }
 
+double SurfaceNoise::contour_mm_for(double factor) const {
+    double others = 0, share = 0;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        if (rows_[k].on_driven) continue;
+        const double organs = observations_->rows()[k].terrace_factor;
+        others += noise_variance(rows_[k]) - rows_[k].contour_mm * rows_[k].contour_mm;
+        share += organs * organs;
+    }
+    if (share == 0) return contour_mm_;
+    const double b = others / share;
+    return std::sqrt(std::max(0.0, factor * (contour_mm_ * contour_mm_ + b) - b));
+}
+
 void SurfaceNoise::factorise() {
     sigma_mm_.resize(rows_.size());
     for (std::size_t k = 0; k < rows_.size(); ++k) {
-        rows_[k].independent_mm = scale_ * observations_->rows()[k].independent_mm;
+        const Observation& seen = observations_->rows()[k];
+        rows_[k].independent_mm = scale_ * seen.independent_mm;
+        rows_[k].contour_mm = contour_mm_ * seen.terrace_factor;
         sigma_mm_[k] = std::sqrt(noise_variance(rows_[k]));
     }
     for (Group& group : groups_) {
@@ -97,6 +119,7 @@ std::vector<LinearRow> SurfaceNoise::linear_rows(const ObservedState& seen) cons
         const double factor = inflation(row.residual_mm / sigma_mm_[k]);
         row.independent_mm *= factor;
         row.terraces.waves *= factor;
+        row.contour_mm *= factor;
     }
     return rows;
 }

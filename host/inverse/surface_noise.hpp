@@ -18,10 +18,17 @@ class SurfaceNoise {
 public:
     explicit SurfaceNoise(const SurfaceObservations& observations);
 
-    /// `scale`: factor on the independent part, at first 1. Terraces follow from the voxels, for
-    /// the surfaces where `state` has them; at first there are none.
-    void update(double scale, const ObservedState& state);
+    /// The same as the next without terraces, before anything is known of where surfaces come to.
+    void start(double scale, double contour_mm);
+    /// `scale`: factor on the independent part, at first 1; `contour_mm`: standard deviation of
+    /// the contours of both images together, at first 0. Terraces follow from the voxels, for the
+    /// surfaces where `state` has them; at first there are none.
+    void update(double scale, double contour_mm, const ObservedState& state);
     double scale() const { return scale_; }
+    double contour_mm() const { return contour_mm_; }
+    /// The contours' standard deviation for which the observed rows would have `factor` times their
+    /// variance: s^2 <- f (s^2 + b) - b, b the mean variance of all other parts.
+    double contour_mm_for(double factor) const;
     /// 1/2 z^T C^-1 z, z the residuals in standard deviations with outliers pulled in, C the
     /// correlation; over the rows in `counted`.
     double misfit(const Eigen::VectorXd& residual_mm,
@@ -40,7 +47,7 @@ private:
     };
 
     const SurfaceObservations* observations_;
-    double scale_ = 1.0;
+    double scale_ = 1.0, contour_mm_ = 0;
     std::vector<LinearRow> rows_;  ///< without normals and residuals
     std::vector<double> sigma_mm_;
     std::vector<Group> groups_;
