@@ -32,6 +32,8 @@ double largest(const Eigen::VectorXd& vector) {
     return vector.size() == 0 ? 0.0 : vector.cwiseAbs().maxCoeff();
 }
 
+bool differs(double a, double b) { return std::abs(a - b) >= 0.02 * std::max(a, b) && a != b; }
+
 /// A change of ln E over the posterior standard deviation that the search knows.
 Eigen::VectorXd in_standard_deviations(const Eigen::VectorXd& change, const ModulusMinimum& best) {
     if (change.size() == 0) return change;
@@ -88,8 +90,13 @@ private:
     State accelerated_step(const State& from, const ModulusMinimum& best,
                            AndersonAcceleration& acceleration, bool& improved) const;
     State blind_step(const State& from, const ModulusMinimum& best) const;
+    double first_contour_error() const;
+    bool has_contour_error() const { return first_contour_error() > 0; }
+    double scale_beside_contours() const;
     void start_noise();
     bool update_noise(const ModulusMinimum& best, const State& state);
+    NoiseLevel level_without_contours(const ModulusObjective::Fit& fit) const;
+    NoiseLevel level_with_contours(const ModulusObjective::Fit& fit) const;
     void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
 
@@ -218,26 +225,51 @@ State Search::blind_step(const State& from, const ModulusMinimum& best) const {
                     from.seen.seen);
 }
 
-void Search::start_noise() {
-    if (!options_.estimate_noise) return;
-    noise_.start(std::max(independent_part, options_.smallest_noise_scale),
-                 options_.contour_mm < 0 ? first_contour_mm : options_.contour_mm);
+/// The smallest part of sigma_n that the search may come to trust.
+double Search::scale_beside_contours() const {
+    return std::max(independent_part, options_.smallest_noise_scale);
 }
 
-/// The contours' error such that the observed residual has the size that its own model predicts:
-/// E[r^T r] = tr(R C^-1 R) for r = R C^-1 e. Without weights, because those of R^-1 ask the
-/// shortest waves, where its kernel is least certain and the moduli do not show. Terraces are taken
-/// where the surfaces have come to. Returns whether it changed by more than 2 %.
+double Search::first_contour_error() const {
+    return options_.contour_mm.value_or(options_.estimate_noise ? first_contour_mm : 0.0);
+}
+
+void Search::start_noise() {
+    if (has_contour_error()) noise_.start({scale_beside_contours(), first_contour_error()});
+}
+
+/// Terraces are taken where the surfaces have come to, and what is not given is found. Returns
+/// whether it changed by more than 2 %.
 bool Search::update_noise(const ModulusMinimum& best, const State& state) {
-    double contour_mm = noise_.contour_mm();
-    if (options_.contour_mm < 0 && options_.estimate_noise && best.fit.expected_misfit_mm2 > 0) {
-        const double factor = best.fit.misfit_mm2 / best.fit.expected_misfit_mm2;
-        contour_mm = std::clamp(noise_.contour_mm_for(factor), least_contour_mm, most_contour_mm);
+    NoiseLevel next = noise_.level();
+    if (options_.estimate_noise) {
+        next =
+            has_contour_error() ? level_with_contours(best.fit) : level_without_contours(best.fit);
     }
-    const bool changed = std::abs(contour_mm - noise_.contour_mm()) >= 0.02 * contour_mm &&
-                         contour_mm != noise_.contour_mm();
-    noise_.update(noise_.scale(), changed ? contour_mm : noise_.contour_mm(), state.seen);
+    const bool changed = differs(next.scale, noise_.level().scale) ||
+                         differs(next.contour_mm, noise_.level().contour_mm);
+    noise_.update(changed ? next : noise_.level(), state.seen);
     return changed;
+}
+
+/// sigma_n^2 such that the observed residual has the size that its own model predicts:
+/// E[r^T R^-1 r] = tr(R C^-1) for r = R C^-1 e.
+NoiseLevel Search::level_without_contours(const ModulusObjective::Fit& fit) const {
+    NoiseLevel level = noise_.level();
+    if (fit.effective_rows < 1) return level;
+    const double factor = std::clamp(std::sqrt(fit.weighted_misfit / fit.effective_rows), 0.5, 2.0);
+    level.scale = std::clamp(level.scale * factor, options_.smallest_noise_scale, 20.0);
+    return level;
+}
+
+/// The contours' error such that E[r^T r] = tr(R C^-1 R). Without weights: those of R^-1 ask the
+/// shortest waves, where the kernel is least certain and moduli do not show.
+NoiseLevel Search::level_with_contours(const ModulusObjective::Fit& fit) const {
+    NoiseLevel level{scale_beside_contours(), noise_.level().contour_mm};
+    if (options_.contour_mm || !(fit.expected_misfit_mm2 > 0)) return level;
+    level.contour_mm = std::clamp(noise_.contour_mm_for(fit.misfit_mm2 / fit.expected_misfit_mm2),
+                                  least_contour_mm, most_contour_mm);
+    return level;
 }
 
 void Search::record(int iteration, const State& state, const ModulusMinimum& best, double step) {
@@ -254,8 +286,8 @@ void Search::record(int iteration, const State& state, const ModulusMinimum& bes
     records_.push_back(entry);
     report_progress(
         progress_, "searching", -1,
-        fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, contours {:.2f} mm",
-                    iteration, text, step, entry.objective, noise_.contour_mm()));
+        fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, contours {:.2f} mm off",
+                    iteration, text, step, entry.objective, noise_.level().contour_mm));
 }
 
 MapEstimate Search::run() {
@@ -268,7 +300,7 @@ MapEstimate Search::run() {
     State state =
         settle_walls(recounted(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, all)));
 
-    noise_.update(noise_.scale(), noise_.contour_mm(), state.seen);
+    noise_.update(noise_.level(), state.seen);
     return iterate(recounted(state), true);
 }
 
@@ -354,8 +386,7 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.observed = state.observed;
     estimate.unknown = priors_;
     estimate.theta = state.theta;
-    estimate.noise_scale = noise_.scale();
-    estimate.contour_mm = noise_.contour_mm();
+    estimate.noise_level = noise_.level();
     estimate.noise = std::make_shared<SurfaceNoise>(noise_);
     estimate.records = records_;
     estimate.termination = termination;

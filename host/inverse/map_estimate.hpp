@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/inverse/marginal.hpp"
@@ -27,9 +28,10 @@ struct MapOptions {
     /// If above 1: every modulus stays within this factor of where the search starts.
     double reach = 0;
     double start_kpa = 0;        ///< of all unknown moduli; 0: the prior's median
-    bool estimate_noise = true;  ///< find the contours' error from the observed surface
-    /// Standard deviation (mm) of the contours of both images together; below 0: to be found.
-    double contour_mm = -1;
+    bool estimate_noise = true;  ///< find what is not given of the noise from the observed surface
+    /// Standard deviation (mm) of the error of both images' contours together, which neighbouring
+    /// points share. Empty: found. 0: contours are exact, and the scale of sigma_n is found.
+    std::optional<double> contour_mm;
     double smallest_noise_scale = 0.3;  ///< lower for surfaces without voxels
     /// sigma_n and the terraces are held from here on, so that the steps can settle.
     int noise_iterations = 6;
@@ -49,8 +51,7 @@ struct MapEstimate {
     /// The problem linearised at the estimate, for the uncertainty of whatever follows from the
     /// wall motion; valid as long as the response model and the walls' prior are.
     std::shared_ptr<const LinearisedProblem> posterior;
-    double noise_scale = 1;                     ///< factor on sigma_n
-    double contour_mm = 0;                      ///< of the contours of both images together
+    NoiseLevel noise_level;
     std::shared_ptr<const SurfaceNoise> noise;  ///< as it was in the end; valid as the observations
     std::vector<std::uint8_t> counted;          ///< [num rows] those that the objective is over
     /// Minus the log posterior at the estimate, the wall motion integrated out, up to a constant

@@ -43,15 +43,13 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
     factorise();
 }
 
-void SurfaceNoise::start(double scale, double contour_mm) {
-    scale_ = scale;
-    contour_mm_ = contour_mm;
+void SurfaceNoise::start(const NoiseLevel& level) {
+    level_ = level;
     factorise();
 }
 
-void SurfaceNoise::update(double scale, double contour_mm, const ObservedState& state) {
-    scale_ = scale;
-    contour_mm_ = contour_mm;
+void SurfaceNoise::update(const NoiseLevel& level, const ObservedState& state) {
+    level_ = level;
     const std::vector<Terraces> terraces = observations_->terraces(state);
     for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k].terraces = terraces[k];
     factorise();
@@ -65,17 +63,17 @@ double SurfaceNoise::contour_mm_for(double factor) const {
         others += noise_variance(rows_[k]) - rows_[k].contour_mm * rows_[k].contour_mm;
         share += organs * organs;
     }
-    if (share == 0) return contour_mm_;
+    if (share == 0) return level_.contour_mm;
     const double b = others / share;
-    return std::sqrt(std::max(0.0, factor * (contour_mm_ * contour_mm_ + b) - b));
+    return std::sqrt(std::max(0.0, factor * (level_.contour_mm * level_.contour_mm + b) - b));
 }
 
 void SurfaceNoise::factorise() {
     sigma_mm_.resize(rows_.size());
     for (std::size_t k = 0; k < rows_.size(); ++k) {
         const Observation& seen = observations_->rows()[k];
-        rows_[k].independent_mm = scale_ * seen.independent_mm;
-        rows_[k].contour_mm = contour_mm_ * seen.terrace_factor;
+        rows_[k].independent_mm = level_.scale * seen.independent_mm;
+        rows_[k].contour_mm = level_.contour_mm * seen.terrace_factor;
         sigma_mm_[k] = std::sqrt(noise_variance(rows_[k]));
     }
     for (Group& group : groups_) {

@@ -11,6 +11,13 @@
 
 namespace palpate {
 
+/// How large the parts of the noise are that the images do not give.
+struct NoiseLevel {
+    double scale = 1;  ///< factor on the independent part, sigma_n
+    /// Standard deviation (mm) of what whoever drew the contours added, both images together.
+    double contour_mm = 0;
+};
+
 /// The noise of all observations: independent and correlated parts, and what becomes of outliers.
 /// Residuals beyond three standard deviations count linearly (Huber): a wrong label, a kink of the
 /// target or a distance far larger than a voxel must neither dominate nor stall the search.
@@ -18,14 +25,12 @@ class SurfaceNoise {
 public:
     explicit SurfaceNoise(const SurfaceObservations& observations);
 
-    /// The same as the next without terraces, before anything is known of where surfaces come to.
-    void start(double scale, double contour_mm);
-    /// `scale`: factor on the independent part, at first 1; `contour_mm`: standard deviation of
-    /// the contours of both images together, at first 0. Terraces follow from the voxels, for the
-    /// surfaces where `state` has them; at first there are none.
-    void update(double scale, double contour_mm, const ObservedState& state);
-    double scale() const { return scale_; }
-    double contour_mm() const { return contour_mm_; }
+    /// The same as `update` without terraces, before anything is known of where surfaces come to.
+    void start(const NoiseLevel& level);
+    /// Terraces follow from the voxels, for the surfaces where `state` has them; at first there are
+    /// none.
+    void update(const NoiseLevel& level, const ObservedState& state);
+    const NoiseLevel& level() const { return level_; }
     /// The contours' standard deviation for which the observed rows would have `factor` times their
     /// variance: s^2 <- f (s^2 + b) - b, b the mean variance of all other parts.
     double contour_mm_for(double factor) const;
@@ -47,7 +52,7 @@ private:
     };
 
     const SurfaceObservations* observations_;
-    double scale_ = 1.0, contour_mm_ = 0;
+    NoiseLevel level_;
     std::vector<LinearRow> rows_;  ///< without normals and residuals
     std::vector<double> sigma_mm_;
     std::vector<Group> groups_;

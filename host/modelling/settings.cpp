@@ -18,6 +18,7 @@ constexpr std::uintmax_t largest_file_bytes = 1 << 20;
 constexpr std::size_t longest_name = 64;
 constexpr int largest_label = 65535;
 constexpr NumberRange stiffness_range{0, 1e6, true};
+constexpr NumberRange contour_sd_range{0, 5};
 constexpr NumberRange poisson_range{0, 0.499};
 constexpr double narrowest_poisson_range = 0.02;
 const std::string stiffness_choice = "\"unknown\" or a number greater than 0, in kPa";
@@ -114,15 +115,25 @@ BackgroundSettings read_background(const SettingsTable& table) {
     return result;
 }
 
+std::optional<double> read_contour_sd(const SettingsTable& table) {
+    if (table.is_text("contour_sd_mm", "unknown")) return std::nullopt;
+    try {
+        return table.number("contour_sd_mm", contour_sd_range);
+    } catch (const Error&) {
+        table.refuse("contour_sd_mm", "allowed: a number of mm from 0 to 5, or \"unknown\"");
+    }
+}
+
 PriorSettings read_prior(const SettingsTable& table) {
-    table.allow_keys({"noise_voxels", "displacement_sd_mm", "displacement_range_mm",
-                      "stiffness_median_ratio", "stiffness_sd_ln", "poisson_lowest",
-                      "poisson_highest"});
+    table.allow_keys({"noise_voxels", "contour_sd_mm", "displacement_sd_mm",
+                      "displacement_range_mm", "stiffness_median_ratio", "stiffness_sd_ln",
+                      "poisson_lowest", "poisson_highest"});
     PriorSettings p;
     const auto read = [&](const char* key, NumberRange range, double& field) {
         field = table.number(key, range).value_or(field);
     };
     read("noise_voxels", {0, 10, true}, p.noise_voxels);
+    p.contour_sd_mm = read_contour_sd(table);
     read("displacement_sd_mm", {0, 1000, true}, p.displacement_sd_mm);
     read("displacement_range_mm", {0, 10000, true}, p.displacement_range_mm);
     read("stiffness_median_ratio", {1e-4, 1e4}, p.stiffness_median_ratio);
@@ -210,12 +221,13 @@ std::string background_toml(const BackgroundSettings& background) {
 
 std::string prior_toml(const PriorSettings& p, bool has_unknown_ratio) {
     std::string text = fmt::format(
-        "\n[prior]\nnoise_voxels = {}\ndisplacement_sd_mm = {}\n"
+        "\n[prior]\nnoise_voxels = {}\ncontour_sd_mm = {}\ndisplacement_sd_mm = {}\n"
         "displacement_range_mm = {}\nstiffness_median_ratio = {}\n"
         "stiffness_sd_ln = {}\n",
-        number_text(p.noise_voxels), number_text(p.displacement_sd_mm),
-        number_text(p.displacement_range_mm), number_text(p.stiffness_median_ratio),
-        number_text(p.stiffness_sd_ln));
+        number_text(p.noise_voxels),
+        p.contour_sd_mm ? number_text(*p.contour_sd_mm) : "\"unknown\"",
+        number_text(p.displacement_sd_mm), number_text(p.displacement_range_mm),
+        number_text(p.stiffness_median_ratio), number_text(p.stiffness_sd_ln));
     if (has_unknown_ratio)
         text += fmt::format("poisson_lowest = {}\npoisson_highest = {}\n",
                             number_text(p.poisson_lowest), number_text(p.poisson_highest));

@@ -39,7 +39,10 @@ struct BackgroundSettings {
 
 /// Priors and noise of the MAP estimate; every field has a default that suits millimetre voxels.
 struct PriorSettings {
-    double noise_voxels = 0.25;            ///< sigma_n as a fraction of the mean voxel spacing
+    double noise_voxels = 0.25;  ///< sigma_n as a fraction of the mean voxel spacing
+    /// Standard deviation (mm) of how far whoever drew the contours of one image was off, along
+    /// 7 mm in the same direction. Empty: found from how the surfaces fit.
+    std::optional<double> contour_sd_mm;
     double displacement_sd_mm = 5.0;       ///< sd of the driven displacement, each component
     double displacement_range_mm = 40.0;   ///< distance at which its correlation has dropped to 0.1
     double stiffness_median_ratio = 10.0;  ///< prior median of unknown moduli over the reference

@@ -232,6 +232,15 @@ std::vector<Vec3> box_of_region(const LabelledState& target, const AlignmentResu
     return corners;
 }
 
+/// What the search took the contours to be off in one image; of a target without labels all of it
+/// is the reference's.
+std::optional<ContourError> contour_error(const MapEstimate& estimate, const TargetState& target,
+                                          const Settings& settings) {
+    if (!estimate.posterior) return std::nullopt;
+    return ContourError{estimate.noise_level.contour_mm / contour_images(target), contour_length_mm,
+                        settings.prior.contour_sd_mm.has_value()};
+}
+
 SurfaceResult surface_result(const Recovered& found, std::size_t s, const TargetState& target,
                              const Settings& settings) {
     const ObservedSurface& observed = found.recovery.surfaces[s];
@@ -342,6 +351,7 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     }
     result.regions = region_results(found, settings);
     add_deformations(found, result.regions);
+    result.contours = contour_error(found.estimate, target, settings);
     result.correlation = correlation_of(found.estimate.covariance);
     result.sensitivity = sensitivity_of(found.estimate.sensitivity);
     for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {

@@ -39,6 +39,8 @@ bool in_field_of_view(const TargetState& target, const Vec3& point) {
     return target.labels->field.inside_box(target.alignment.reference_to_target.apply(point));
 }
 
+double contour_images(const TargetState& target) { return target.labels ? std::numbers::sqrt2 : 1; }
+
 ObservationOptions observation_options(const Settings& settings, const LabelledState& reference,
                                        const TargetState& target) {
     double volume = reference.regions.grid.voxel_volume();

@@ -24,6 +24,10 @@ std::future<TargetShapes> start_target_shapes(const TargetState& target, const S
 /// at its box. Where surfaces and points end is for their shapes to say.
 bool in_field_of_view(const TargetState& target, const Vec3& point);
 
+/// The contours' error of both images together over that of one. Points and surfaces that were
+/// measured have noise of their own.
+double contour_images(const TargetState& target);
+
 /// The noise of distances between the reference and this target.
 ObservationOptions observation_options(const Settings& settings, const LabelledState& reference,
                                        const TargetState& target);

@@ -15,8 +15,12 @@
 namespace palpate {
 namespace {
 
-/// The noise is another one if its scale changed by more than this part.
-constexpr double allowed_noise_change = 0.1;
+bool is_same_noise(const NoiseLevel& a, const NoiseLevel& b) {
+    constexpr double allowed_change = 0.1, allowed_change_mm = 0.02;
+    return std::abs(std::log(a.scale / b.scale)) < allowed_change &&
+           std::abs(a.contour_mm - b.contour_mm) <
+               allowed_change_mm + allowed_change * b.contour_mm;
+}
 
 /// Objectives of trials are compared with each other, so each search must end closer to its minimum
 /// than one whose moduli alone matter.
@@ -168,10 +172,9 @@ PoissonEstimate RatioSearch::run() {
         last_ = found.estimate;
         found.ratios = search(ratios);
         found.mechanics = best_mechanics_;
-        const double held = found.estimate.noise_scale;
+        const NoiseLevel held = found.estimate.noise_level;
         found.estimate = estimate_at(*found.mechanics);
-        is_noise_agreed =
-            std::abs(std::log(found.estimate.noise_scale / held)) < allowed_noise_change;
+        is_noise_agreed = is_same_noise(found.estimate.noise_level, held);
         ratios = found.ratios.best.ratios;
     }
     widen(found.estimate, found.ratios);

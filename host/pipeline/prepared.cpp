@@ -145,7 +145,11 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
         found.recovery, observed_shapes(prepared, found), seen_nodes(found.mesh.mesh, target),
         observation_options(options.settings, prepared.reference.state, target));
     check_anything_seen(observations, found.recovery);
-    search_model(found, mechanics, *prepared.full_solver, observations, options, timer, progress);
+    RecoverOptions with_contours = options;
+    if (const auto& sd_mm = options.settings.prior.contour_sd_mm)
+        with_contours.search.contour_mm = *sd_mm * contour_images(target);
+    search_model(found, mechanics, *prepared.full_solver, observations, with_contours, timer,
+                 progress);
     return found;
 }
 

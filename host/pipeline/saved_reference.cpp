@@ -17,6 +17,7 @@ namespace {
 
 std::string settings_that_matter(Settings settings) {
     settings.prior.noise_voxels = PriorSettings{}.noise_voxels;
+    settings.prior.contour_sd_mm = PriorSettings{}.contour_sd_mm;
     return to_toml(settings);
 }
 

@@ -147,6 +147,14 @@ std::string termination_sentence(const RecoveryResult& result) {
                        t.reason.empty() ? "" : ": ", t.reason.empty() ? "." : t.reason + ".");
 }
 
+std::string contours_sentence(const RecoveryResult& result) {
+    if (!result.contours) return "";
+    const ContourError& contours = *result.contours;
+    return fmt::format("The contours of each image {} {} mm off, smoothly along some {} mm.",
+                       contours.is_given ? "were given to be" : "seem to be",
+                       decimals(contours.sd_mm, 2), significant(contours.length_mm));
+}
+
 std::string law_sentence(const RecoveryResult& result) {
     return result.law == TissueLaw::neo_hookean
                ? "All tissue was taken to be neo-Hookean, at large deformation."
@@ -172,6 +180,7 @@ std::vector<std::string> summary_sentences(const RecoveryResult& result) {
     if (const std::string text = surfaces_sentence(result); !text.empty()) list.push_back(text);
     if (const std::string text = seen_sentence(result); !text.empty()) list.push_back(text);
     if (const std::string text = landmark_sentence(result); !text.empty()) list.push_back(text);
+    if (const std::string text = contours_sentence(result); !text.empty()) list.push_back(text);
     list.push_back(termination_sentence(result));
     return list;
 }

@@ -35,6 +35,8 @@ std::string surfaces_sentence(const RecoveryResult& result);
 /// mm.", or nothing without landmarks.
 std::string landmark_sentence(const RecoveryResult& result);
 std::string seen_sentence(const RecoveryResult& result);
+/// How far the contours are off, in one sentence; empty where the search looked for nothing.
+std::string contours_sentence(const RecoveryResult& result);
 /// Whether the search converged, in one sentence.
 std::string termination_sentence(const RecoveryResult& result);
 /// The law that all tissue was taken to obey, one sentence.

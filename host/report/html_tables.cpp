@@ -308,6 +308,7 @@ std::string details_html(const RecoveryResult& result) {
         facts({{"Rigid alignment", alignment_text(result.alignment)},
                {"Tissue", law_sentence(result)},
                {"Search", termination_sentence(result)},
+               {"Contours", contours_sentence(result)},
                {"Residual of the final solve", fmt::format("{:.1e}", result.full_model_residual)},
                {"Mesh", fmt::format("{} nodes, {} tetrahedra, smallest dihedral angle {}°",
                                     result.mesh.mesh.num_nodes(), result.mesh.mesh.num_tets(),

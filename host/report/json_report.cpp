@@ -200,6 +200,13 @@ Json linear_solvers_json(const RecoveryResult& result) {
     return stages;
 }
 
+Json contours_json(const std::optional<ContourError>& contours) {
+    if (!contours) return nullptr;
+    return {{"sd_mm", number(contours->sd_mm)},
+            {"length_mm", number(contours->length_mm)},
+            {"given", contours->is_given}};
+}
+
 Json organ_json(const OrganSettings& o) {
     Json json{
         {"name", o.name}, {"label", o.label}, {"role", name_of(o.role)}, {"hollow", o.hollow}};
@@ -225,6 +232,7 @@ Json settings_json(const Settings& s) {
             {"organ", organs},
             {"prior",
              {{"noise_voxels", number(p.noise_voxels)},
+              {"contour_sd_mm", p.contour_sd_mm ? number(*p.contour_sd_mm) : Json("unknown")},
               {"displacement_sd_mm", number(p.displacement_sd_mm)},
               {"displacement_range_mm", number(p.displacement_range_mm)},
               {"stiffness_median_ratio", number(p.stiffness_median_ratio)},
@@ -250,6 +258,7 @@ std::string json_report(const RecoveryResult& result, bool include_file_names, F
     json["correlation"] = correlation_json(result);
     json["sensitivity"] = sensitivity_json(result);
     json["surfaces"] = surfaces;
+    json["contours"] = contours_json(result.contours);
     json["landmarks"] = landmarks_json(result);
     json["profiles"] = profiles_json(result);
     json["mesh"] = mesh_json(result);

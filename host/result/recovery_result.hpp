@@ -84,6 +84,13 @@ struct SurfaceResult {
     Surface target;                  ///< aligned, without caps; small marks in place of points
 };
 
+/// How far the contours of one image are off, smoothly along each surface.
+struct ContourError {
+    double sd_mm = 0;
+    double length_mm = 0;   ///< of its correlation (Matern 3/2)
+    bool is_given = false;  ///< by the settings; else found from how the surfaces fit
+};
+
 /// What holds a node of the mesh.
 enum class Held : std::uint8_t {
     free,    ///< nothing but the tissue round it
@@ -107,6 +114,7 @@ struct RecoveryResult {
     std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order
     std::vector<SensitivityResult> sensitivity;    ///< largest first; empty if not computed
     std::vector<SurfaceResult> surfaces;
+    std::optional<ContourError> contours;   ///< empty where the search looks for none
     std::vector<LandmarkResult> landmarks;  ///< those that were given, in order
     std::vector<ProfileResult> profiles;
     std::vector<IterationRecord> convergence;

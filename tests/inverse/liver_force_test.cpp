@@ -207,7 +207,7 @@ TEST(LiverForce, IsFoundFromThePartOfTheSurfaceThatWasSeen) {
         input.force_mn[0] / 1e3, input.force_mn[1] / 1e3, input.force_mn[2] / 1e3, force[0] / 1e3,
         force[1] / 1e3, force[2] / 1e3, 1.96e-3 * found.resultant_sd[1][0],
         1.96e-3 * found.resultant_sd[1][1], 1.96e-3 * found.resultant_sd[1][2],
-        seen.noise_mm * found.estimate.noise_scale, found.estimate.termination.iterations,
+        seen.noise_mm * found.estimate.noise_level.scale, found.estimate.termination.iterations,
         found.estimate.termination.reason.c_str());
     EXPECT_LT((force - input.force_mn).norm(), 0.10 * input.force_mn.norm());
     for (int c = 0; c < 3; ++c) {

@@ -113,6 +113,80 @@ TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
     EXPECT_NEAR(fit.effective_rows, 0.16 * covariance.inverse().trace(), 1e-9);
 }
 
+/// r = R C^-1 e with dense inverses, for noise that rows share.
+TEST(Marginal, PredictsTheSizeOfTheResidualWithoutWeights) {
+    Fixture f;
+    for (LinearRow& row : f.rows) {
+        row.contour_mm = 0.6;
+        row.place = 4 * Vec3(f.noise(3));
+        if (row.on_driven) row.surface = 1 + row.position;  // each node is a wall of its own here
+    }
+    const Eigen::Vector2d theta(4.0, 3.2);
+    std::vector<double> kpa = f.model.stiffness_kpa();
+    kpa[2] = std::exp(theta[0]);
+    kpa[3] = std::exp(theta[1]);
+    std::vector<LinearRow> seen, of_walls;
+    for (const LinearRow& row : f.rows) (row.on_driven ? of_walls : seen).push_back(row);
+    const auto covariance_of = [](const std::vector<LinearRow>& rows) {
+        return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(
+            rows.size(), rows.size(), [&](Eigen::Index i, Eigen::Index j) {
+                return i == j ? noise_variance(rows[i]) : noise_covariance(rows[i], rows[j]);
+            }));
+    };
+    const Eigen::MatrixXd noise = covariance_of(seen), wall_noise = covariance_of(of_walls);
+    Eigen::MatrixXd normals = Eigen::MatrixXd::Zero(15, 5);
+    Eigen::MatrixXd wall_normals = Eigen::MatrixXd::Zero(4, 12);
+    Eigen::VectorXd target(5), wall_target(4);
+    for (int k = 0; k < 5; ++k) {
+        normals.block<3, 1>(3 * k, k) = seen[k].normal;
+        target[k] = seen[k].normal.dot(f.observed.segment<3>(3 * k)) - seen[k].residual_mm;
+    }
+    for (int k = 0; k < 4; ++k) {
+        wall_normals.block<1, 3>(k, 3 * k) = of_walls[k].normal.transpose();
+        wall_target[k] =
+            of_walls[k].normal.dot(f.driven.segment<3>(3 * k)) - of_walls[k].residual_mm;
+    }
+    const Eigen::MatrixXd precision = wall_noise.inverse();
+    const Eigen::MatrixXd spread = (0.2 * Eigen::MatrixXd::Identity(12, 12) +
+                                    wall_normals.transpose() * precision * wall_normals)
+                                       .inverse();
+    const Eigen::VectorXd mean = spread * wall_normals.transpose() * precision * wall_target;
+    Eigen::MatrixXd coupling(15, 12);
+    for (Index c = 0; c < 12; ++c)
+        coupling.col(c) = f.model.coupling_times(kpa, Eigen::VectorXd::Unit(12, c));
+    const Eigen::MatrixXd jacobian =
+        -normals.transpose() * f.model.stiffness(kpa).inverse() * coupling;
+    const Eigen::MatrixXd inverse = (noise + jacobian * spread * jacobian.transpose()).inverse();
+    const Eigen::VectorXd residual = noise * inverse * (target - jacobian * mean);
+
+    const auto fit = f.problem().fit(theta);
+
+    EXPECT_NEAR(fit.misfit_mm2, residual.squaredNorm(), 1e-9);
+    EXPECT_NEAR(fit.expected_misfit_mm2, (noise * inverse * noise).trace(), 1e-9);
+    EXPECT_GT(std::abs(noise(0, 1)), 1e-3);
+}
+
+TEST(Contours, AreOffTheSameWayNearbyAndRoughly) {
+    EXPECT_DOUBLE_EQ(contour_correlation(0), 1);
+    EXPECT_NEAR(contour_correlation(contour_length_mm),
+                (1 + std::sqrt(3)) * std::exp(-std::sqrt(3)), 1e-12);
+    // Rough: the variogram begins with the square of the distance, but its next term is the cube.
+    const double near = 1 - contour_correlation(0.1), twice = 1 - contour_correlation(0.2);
+    EXPECT_LT(twice / near, 3.97);
+    EXPECT_GT(twice / near, 3.8);
+}
+
+TEST(Contours, OfDifferentSurfacesAreDrawnIndependently) {
+    LinearRow a, b;
+    a.contour_mm = 0.5;
+    b.contour_mm = 0.7;
+    b.place = Vec3(3, 0, 0);
+    EXPECT_NEAR(noise_covariance(a, b), 0.35 * contour_correlation(3), 1e-12);
+    b.surface = 1;
+    EXPECT_EQ(noise_covariance(a, b), 0);
+    EXPECT_NEAR(noise_variance(b), 1 + 0.49, 1e-12);
+}
+
 TEST(Marginal, GradientMatchesCentralDifferences) {
     Fixture f;
     const auto problem = f.problem();

@@ -87,6 +87,18 @@ TEST(Settings, ReadsEveryFieldOfTheExample) {
     EXPECT_EQ(s.num_regions(), 6);
 }
 
+TEST(Settings, TheErrorOfContoursIsUnknownUnlessItIsSaid) {
+    const auto sd_of = [](const std::string& toml) {
+        const Settings read = parse_settings(full_example + toml, "organs.toml");
+        EXPECT_EQ(to_toml(parse_settings(to_toml(read), "written")), to_toml(read));
+        return read.prior.contour_sd_mm;
+    };
+    EXPECT_EQ(sd_of(""), std::nullopt);
+    EXPECT_EQ(sd_of("contour_sd_mm = \"unknown\"\n"), std::nullopt);
+    EXPECT_EQ(sd_of("contour_sd_mm = 0.5\n"), 0.5);
+    EXPECT_EQ(sd_of("contour_sd_mm = 0\n"), 0.0);
+}
+
 TEST(Settings, HollowFollowsTheRoleUnlessItIsSaid) {
     const Settings s = parse_settings(full_example, "organs.toml");
 
@@ -180,6 +192,9 @@ TEST(Settings, ValuesOutOfRangeAreRefused) {
     expect_mentions(complaint("[background]\nstiffness_kpa = \"unknown\"\n"), {"stiffness_kpa"});
     expect_mentions(complaint("[background]\nouter_boundary = \"loose\"\n"), {"fixed", "free"});
     expect_mentions(complaint("[prior]\nnoise_voxels = 0\n"), {"noise_voxels", "greater than 0"});
+    for (const char* value : {"-0.1", "6", "\"small\"", "nan"})
+        expect_mentions(complaint(std::string("[prior]\ncontour_sd_mm = ") + value + "\n"),
+                        {"contour_sd_mm", "from 0 to 5", "unknown"});
 }
 
 TEST(Settings, MissingKeysAreNamed) {

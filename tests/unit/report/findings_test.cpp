@@ -49,7 +49,16 @@ TEST(Findings, SayLoudlyThatTheSearchDidNotConverge) {
 
     EXPECT_NE(termination_sentence(result).find("did NOT converge after 50 iterations"),
               std::string::npos);
-    EXPECT_EQ(summary_sentences(result).size(), 4u);
+    EXPECT_EQ(summary_sentences(result).size(), 5u);
+}
+
+TEST(Findings, SayHowFarContoursAreOffAndWhoSaidSo) {
+    RecoveryResult result = synthetic_result();
+    EXPECT_NE(contours_sentence(result).find("seem to be 0.42 mm off"), std::string::npos);
+    result.contours->is_given = true;
+    EXPECT_NE(contours_sentence(result).find("were given to be 0.42 mm off"), std::string::npos);
+    result.contours.reset();
+    EXPECT_EQ(contours_sentence(result), "");
 }
 
 TEST(Findings, TotalIsTheSumOfTheStages) {

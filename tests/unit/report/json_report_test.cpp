@@ -67,6 +67,9 @@ TEST(JsonReport, HoldsTheFieldsThatProgramsReadByName) {
     EXPECT_EQ(j["settings"]["organ"][0]["stiffness_kpa"], "unknown");
     EXPECT_EQ(j["settings"]["organ"][2]["hollow"], true);
     EXPECT_EQ(j["settings"]["prior"]["noise_voxels"], 0.25);
+    EXPECT_EQ(j["settings"]["prior"]["contour_sd_mm"], "unknown");
+    EXPECT_EQ(j["contours"]["sd_mm"], 0.42);
+    EXPECT_EQ(j["contours"]["given"], false);
     EXPECT_EQ(j["alignment"]["method"], "fixed");
     EXPECT_EQ(j["correlation"]["ln_stiffness"][0][1], -0.42);
     EXPECT_EQ(j["correlation"]["regions"].size(), 2u);

@@ -236,6 +236,7 @@ void add_search(RecoveryResult& r) {
     r.termination = {true, "the scaled gradient fell below 1e-4", 9};
     r.timings_s = {{"reading", 0.8},     {"surfaces", 4.1},   {"meshing", 6.3},
                    {"condensing", 28.4}, {"searching", 41.9}, {"warping", 3.2}};
+    r.contours = ContourError{0.42, 7.0, false};
     r.full_model_residual = 3.1e-9;
     r.device = {"opencl",
                 "Portable Computing Language",
