@@ -19,7 +19,7 @@ struct PhantomArguments {
     PelvisOptions pelvis;
     std::vector<double> spacing{1, 1, 1};
     std::vector<double> zones_kpa;
-    std::string out, material = name_of(TissueLaw::linear);
+    std::string out, material = name_of(TissueLaw::linear), contours = "exact";
     SolverArguments solver;
     MesherArguments mesher;
     bool quiet = false;
@@ -37,6 +37,7 @@ int run_pelvis(PhantomArguments arguments) {
         arguments.pelvis.zone_stiffness_kpa = {arguments.zones_kpa[0], arguments.zones_kpa[1]};
     }
     arguments.pelvis.num_nodes = arguments.mesher.nodes;
+    arguments.pelvis.contours = contour_error_of(arguments.contours);
     arguments.pelvis.law = tissue_law_of(arguments.material);
     const auto progress = console_progress(arguments.quiet);
     will_write(arguments.out);
@@ -97,6 +98,11 @@ void add_phantom(CLI::App& app, Run& run) {
     pelvis->add_option("--spacing", arguments->spacing, "Voxel size in mm, three numbers")
         ->expected(3)
         ->check(CLI::Range(0.2, 10.0))
+        ->capture_default_str();
+    pelvis
+        ->add_option("--contours", arguments->contours,
+                     "How both volumes are drawn: exact, or STYLE:SD:LENGTH in mm, STYLE one of "
+                     "exponential, matern32, squared, slices")
         ->capture_default_str();
     pelvis->add_option("--out", arguments->out, "Folder, made new")->required();
     pelvis->add_flag("--quiet", arguments->quiet, "No progress");

@@ -20,7 +20,7 @@ struct StudyArguments {
     StudyOptions study;
     std::vector<double> spacing{1, 1, 1};
     StudyRunOptions run;
-    std::string out;
+    std::string out, contours = "exact";
     SolverArguments solver;
     MesherArguments mesher;
     bool quiet = false;
@@ -40,6 +40,7 @@ int run_one(const StudyEntry& entry, StudyArguments arguments) {
     StudyOptions& options = arguments.study;
     if (options.phantoms == 0) options.phantoms = entry.phantoms;
     options.spacing = Vec3(arguments.spacing[0], arguments.spacing[1], arguments.spacing[2]);
+    options.contours = contour_error_of(arguments.contours);
     options.mesher = mesher_options(arguments.mesher);
     options.solver = solver_options(arguments.solver);
     arguments.run.folder = arguments.out;
@@ -87,6 +88,11 @@ void add_phantom_options(CLI::App& command, const StudyEntry& entry, StudyArgume
         ->capture_default_str();
     command.add_option("--phantom-nodes", options.phantom_nodes, "Of the meshes of the truths")
         ->check(CLI::Range(1000, 2000000))
+        ->capture_default_str();
+    command
+        .add_option("--contours", arguments.contours,
+                    "How both volumes are drawn: exact, or STYLE:SD:LENGTH in mm, STYLE one of "
+                    "exponential, matern32, squared, slices")
         ->capture_default_str();
     add_mesher_options(command, arguments.mesher);
 }

@@ -127,6 +127,20 @@ RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions
     return make_mesh(surface, image, field, hollow_regions, mesher, &summary, progress);
 }
 
+/// The label volume of the mesh with its nodes at `nodes`, drawn as `options` say. `image`: 0 for
+/// the reference, 1 for the target, which are drawn independently.
+RegionImage drawn_image(const RegionMesh& mesh, const std::vector<Vec3>& nodes,
+                        const PelvisAnatomy& anatomy, const PelvisOptions& options,
+                        Index num_regions, unsigned image) {
+    const ImageGrid grid = grid_of_box(anatomy, options.spacing);
+    if (options.contours.style == ContourStyle::exact)
+        return regions_on_grid(mesh, nodes, hollow_regions, grid);
+    const Vec3 fine = (0.6 * options.spacing).cwiseMax(0.4).cwiseMin(0.8);
+    const LabelField truth(regions_on_grid(mesh, nodes, hollow_regions, grid_of_box(anatomy, fine)),
+                           num_regions);
+    return drawn_regions(truth, grid, options.contours, 2ull * options.seed + image);
+}
+
 LabelImage to_labels(const RegionImage& regions, const Settings& settings) {
     LabelImage labels{regions.grid, std::vector<std::uint16_t>(regions.voxels.size(), 0)};
     for (std::size_t v = 0; v < regions.voxels.size(); ++v) {
@@ -270,13 +284,13 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
     phantom.displacement = std::move(deformation.displacement);
 
     report_progress(progress, "voxelising", 0);
-    const ImageGrid grid = grid_of_box(anatomy, options.spacing);
-    phantom.reference =
-        to_labels(regions_on_grid(phantom.mesh, phantom.mesh.mesh.nodes, hollow_regions, grid),
-                  phantom.settings);
-    phantom.target =
-        to_labels(regions_on_grid(phantom.mesh, deformed_nodes(phantom), hollow_regions, grid),
-                  phantom.settings);
+    const auto labels = [&](const std::vector<Vec3>& nodes, unsigned image) {
+        return to_labels(drawn_image(phantom.mesh, nodes, anatomy, options,
+                                     phantom.settings.num_regions(), image),
+                         phantom.settings);
+    };
+    phantom.reference = labels(phantom.mesh.mesh.nodes, 0);
+    phantom.target = labels(deformed_nodes(phantom), 1);
     add_landmarks(phantom, anatomy, options.seed);
 
     PelvisTruth& truth = phantom.truth;

@@ -11,6 +11,7 @@
 #include "host/imaging/label_image.hpp"
 #include "host/meshing/mesher.hpp"
 #include "host/modelling/settings.hpp"
+#include "host/phantom/contour_error.hpp"
 #include "host/phantom/deform.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -23,6 +24,7 @@ struct PelvisOptions {
     double background_stiffness_kpa = 10;
     double background_poisson_ratio = 0.35;
     Vec3 spacing{1, 1, 1};         ///< mm, of the label volumes written
+    ContourErrorOptions contours;  ///< how both label volumes are drawn
     Index num_nodes = 30000;       ///< of the mesh that the truth is solved on
     double tangential_factor = 1;  ///< on the walls' motion along themselves
     double tumour_fraction = 0;    ///< of the prostate's volume that is tumour, 0..0.95; no label

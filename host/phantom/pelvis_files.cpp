@@ -69,6 +69,7 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"seed", options.seed},
         {"frame", "LPS, mm"},
         {"spacing_mm", to_json(options.spacing)},
+        {"contours", to_text(options.contours)},
         {"material", name_of(options.law)},
         {"regions", regions_to_json(phantom, options)},
         {"mesh",

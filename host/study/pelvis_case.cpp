@@ -74,6 +74,7 @@ PelvisOptions pelvis_options(const StudyOptions& options, unsigned seed, double 
     truth.seed = seed;
     truth.stiffness_kpa = stiffness_kpa;
     truth.spacing = options.spacing;
+    truth.contours = options.contours;
     truth.num_nodes = options.phantom_nodes;
     truth.tangential_factor = options.tangential;
     return truth;
@@ -147,6 +148,7 @@ std::vector<std::pair<std::string, std::string>> pelvis_settings(const StudyOpti
         {"first seed", fmt::format("{}", options.first_seed)},
         {"spacing", fmt::format("{} x {} x {} mm", options.spacing[0], options.spacing[1],
                                 options.spacing[2])},
+        {"contours", to_text(options.contours)},
         {"nodes", fmt::format("{}", options.mesher.num_nodes)},
         {"phantom nodes", fmt::format("{}", options.phantom_nodes)},
         {"tangential factor", fmt::format("{}", options.tangential)},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/meshing/mesher.hpp"
+#include "host/phantom/contour_error.hpp"
 #include "host/study/study.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -14,11 +15,12 @@ namespace palpate {
 /// What a user can choose of a study.
 struct StudyOptions {
     unsigned first_seed = 1;
-    int phantoms = 0;             ///< anatomies; 0: as many as the study was made for
-    Index phantom_nodes = 30000;  ///< of the meshes that truths are solved on
-    Vec3 spacing{1, 1, 1};        ///< mm, of the label volumes
-    double tangential = 1;        ///< factor on the walls' motion along themselves
-    MesherOptions mesher;         ///< of the recovery; `num_nodes` is its mesh size
+    int phantoms = 0;              ///< anatomies; 0: as many as the study was made for
+    Index phantom_nodes = 30000;   ///< of the meshes that truths are solved on
+    Vec3 spacing{1, 1, 1};         ///< mm, of the label volumes
+    ContourErrorOptions contours;  ///< how both label volumes are drawn
+    double tangential = 1;         ///< factor on the walls' motion along themselves
+    MesherOptions mesher;          ///< of the recovery; `num_nodes` is its mesh size
     LinearSolverOptions solver;
 };
 
