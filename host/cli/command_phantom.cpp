@@ -19,7 +19,7 @@ struct PhantomArguments {
     PelvisOptions pelvis;
     std::vector<double> spacing{1, 1, 1};
     std::vector<double> zones_kpa;
-    std::string out, material = name_of(TissueLaw::linear), contours = "exact";
+    std::string out, material = name_of(TissueLaw::linear), contours = "exact", load = "mixed";
     SolverArguments solver;
     MesherArguments mesher;
     bool quiet = false;
@@ -37,7 +37,9 @@ int run_pelvis(PhantomArguments arguments) {
         arguments.pelvis.zone_stiffness_kpa = {arguments.zones_kpa[0], arguments.zones_kpa[1]};
     }
     arguments.pelvis.num_nodes = arguments.mesher.nodes;
-    arguments.pelvis.contours = contour_error_of(arguments.contours);
+    arguments.pelvis.contours =
+        drawn_for(contour_error_of(arguments.contours), arguments.pelvis.seed);
+    arguments.pelvis.load = drawn_for(load_family_of(arguments.load), arguments.pelvis.seed);
     arguments.pelvis.law = tissue_law_of(arguments.material);
     const auto progress = console_progress(arguments.quiet);
     will_write(arguments.out);
@@ -102,7 +104,12 @@ void add_phantom(CLI::App& app, Run& run) {
     pelvis
         ->add_option("--contours", arguments->contours,
                      "How both volumes are drawn: exact, or STYLE:SD:LENGTH in mm, STYLE one of "
-                     "exponential, matern32, squared, slices")
+                     "exponential, matern32, squared, slices; or drawn:SD, one of them")
+        ->capture_default_str();
+    pelvis
+        ->add_option("--load", arguments->load,
+                     "How the walls move: mixed, filling, bump, normal, tangential, shift, large, "
+                     "or drawn")
         ->capture_default_str();
     pelvis->add_option("--out", arguments->out, "Folder, made new")->required();
     pelvis->add_flag("--quiet", arguments->quiet, "No progress");

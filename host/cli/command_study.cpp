@@ -20,7 +20,7 @@ struct StudyArguments {
     StudyOptions study;
     std::vector<double> spacing{1, 1, 1};
     StudyRunOptions run;
-    std::string out, contours = "exact";
+    std::string out, contours = "exact", load = "mixed";
     SolverArguments solver;
     MesherArguments mesher;
     bool quiet = false;
@@ -41,6 +41,7 @@ int run_one(const StudyEntry& entry, StudyArguments arguments) {
     if (options.phantoms == 0) options.phantoms = entry.phantoms;
     options.spacing = Vec3(arguments.spacing[0], arguments.spacing[1], arguments.spacing[2]);
     options.contours = contour_error_of(arguments.contours);
+    options.load = load_family_of(arguments.load);
     options.mesher = mesher_options(arguments.mesher);
     options.solver = solver_options(arguments.solver);
     arguments.run.folder = arguments.out;
@@ -90,10 +91,18 @@ void add_phantom_options(CLI::App& command, const StudyEntry& entry, StudyArgume
         ->check(CLI::Range(1000, 2000000))
         ->capture_default_str();
     command
-        .add_option("--contours", arguments.contours,
-                    "How both volumes are drawn: exact, or STYLE:SD:LENGTH in mm, STYLE one of "
-                    "exponential, matern32, squared, slices")
+        .add_option("--load", arguments.load,
+                    "How the walls move: mixed, filling, bump, normal, tangential, shift, large; "
+                    "or drawn, any but mixed for each phantom")
         ->capture_default_str();
+    if (entry.has_images) {
+        command
+            .add_option("--contours", arguments.contours,
+                        "How both volumes are drawn: exact, or STYLE:SD:LENGTH in mm, STYLE one of "
+                        "exponential, matern32, squared, slices; or drawn:SD, one of them and 4 to "
+                        "12 mm for each phantom")
+            ->capture_default_str();
+    }
     add_mesher_options(command, arguments.mesher);
 }
 

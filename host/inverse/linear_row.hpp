@@ -24,6 +24,7 @@ struct LinearRow {
     Index surface = 0;          ///< rows of different surfaces have independent noise
     Vec3 place = Vec3::Zero();  ///< of the node, reference, mm
     std::array<double, max_terraces> range_mm{};  ///< the correlation of each wave falls to 1/e
+    double weight = 1;  ///< in sums that the size of the noise is found from; less for outliers
 };
 
 /// Length (mm) of the correlation of what whoever drew a contour adds.
@@ -55,9 +56,13 @@ inline double noise_covariance(const LinearRow& a, const LinearRow& b) {
     return sum;
 }
 
+/// Of the parts (mm^2) that a row shares with its neighbours.
+inline double correlated_variance(const LinearRow& row) {
+    return row.terraces.variance() + row.contour_mm * row.contour_mm;
+}
+
 inline double noise_variance(const LinearRow& row) {
-    return row.independent_mm * row.independent_mm + row.terraces.variance() +
-           row.contour_mm * row.contour_mm;
+    return row.independent_mm * row.independent_mm + correlated_variance(row);
 }
 
 }  // namespace palpate

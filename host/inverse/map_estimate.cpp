@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/inverse/anderson.hpp"
 #include "host/inverse/modulus_search.hpp"
@@ -20,9 +21,9 @@ namespace {
 constexpr int remembered_steps = 8;
 constexpr int needed_quiet_steps = 3;
 constexpr int tolerated_stalls = 8;
-/// What voxels leave of sigma_n once terraces and contours are told apart from it.
-constexpr double independent_part = 0.45;
-constexpr double first_contour_mm = 0.3, least_contour_mm = 0.05, most_contour_mm = 1.5;
+constexpr int noise_rounds = 4;  // at each linearisation
+constexpr double deeper = 0.1;   // of F, by which another valley must be
+constexpr double first_contour_mm = 0.3, least_contour_mm = 0.05;
 constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven component, in Anderson
 
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.
@@ -33,6 +34,10 @@ double largest(const Eigen::VectorXd& vector) {
 }
 
 bool differs(double a, double b) { return std::abs(a - b) >= 0.02 * std::max(a, b) && a != b; }
+
+bool is_other(const NoiseLevel& a, const NoiseLevel& b) {
+    return differs(a.scale, b.scale) || differs(a.contour_mm, b.contour_mm);
+}
 
 /// A change of ln E over the posterior standard deviation that the search knows.
 Eigen::VectorXd in_standard_deviations(const Eigen::VectorXd& change, const ModulusMinimum& best) {
@@ -45,13 +50,12 @@ ModulusBounds all_bounds(const MapOptions& options, Index num_unknown) {
     return same_bounds(num_unknown, std::log(options.smallest_kpa), std::log(options.largest_kpa));
 }
 
-/// Rows that the objective is over. Held through a step, so that no step pays by moving surfaces to
-/// where the target does not show them.
-using Counted = std::vector<std::uint8_t>;
+using Counted = std::shared_ptr<const CountedRows>;
 
 struct State {
     Eigen::VectorXd driven, observed, theta;
     ObservedState seen;
+    Counted counted;       ///< the rows that the objective is over
     double objective = 0;  ///< nonlinear, without the determinant
 };
 
@@ -76,10 +80,11 @@ public:
 private:
     /// `is_scanned`: the moduli start at the best of a coarse scan, not at those of `state`.
     MapEstimate iterate(State state, bool is_scanned);
+    /// Without `counted` all rows that are seen there count.
     State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
                    const Counted& counted) const;
-    double objective_of(const State& state, const Counted& counted) const;
-    /// The same place, its objective over what is seen there.
+    double objective_of(const State& state) const;
+    /// The same place, its objective over what is seen there with the noise that it has there.
     State recounted(State state) const;
     std::vector<LinearRow> rows_of(const State& state) const;
     LinearisedProblem linearise(const State& state) const;
@@ -90,13 +95,13 @@ private:
     State accelerated_step(const State& from, const ModulusMinimum& best,
                            AndersonAcceleration& acceleration, bool& improved) const;
     State blind_step(const State& from, const ModulusMinimum& best) const;
-    double first_contour_error() const;
-    bool has_contour_error() const { return first_contour_error() > 0; }
-    double scale_beside_contours() const;
-    void start_noise();
-    bool update_noise(const ModulusMinimum& best, const State& state);
-    NoiseLevel level_without_contours(const ModulusObjective::Fit& fit) const;
-    NoiseLevel level_with_contours(const ModulusObjective::Fit& fit) const;
+    NoiseLevel first_level() const;
+    NoiseLevel level_for(const ModulusObjective::Fit& fit) const;
+    double scale_for(const ModulusObjective::Fit& fit) const;
+    double contour_mm_for(const ModulusObjective::Fit& fit) const;
+    ModulusMinimum best_moduli(State& state, bool is_scanned);
+    bool settle_noise(State& state, ModulusMinimum& best, bool is_scanned);
+    bool leaves_valley(State& state);
     void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
 
@@ -104,13 +109,13 @@ private:
     const WallPrior& walls_;
     const SurfaceObservations& observations_;
     SurfaceNoise noise_;
-    /// Of an earlier estimate near which the search starts: its noise is held, and these rows are
-    /// counted whatever is seen. Empty: a fresh search.
-    Counted held_;
+    Counted held_;  ///< of an earlier estimate: these rows count, with their noise. Empty: a fresh
+                    ///< search.
     const std::vector<ModulusPrior>& priors_;
     const MapOptions& options_;
     const ProgressSink& progress_;
     ModulusBounds bounds_;
+    Eigen::MatrixXd hessian_;  ///< of F, as far as the last linearisation knew it
     std::vector<IterationRecord> records_;
 };
 
@@ -119,15 +124,15 @@ State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& the
     std::vector<Index> unknown;
     for (const auto& prior : priors_) unknown.push_back(prior.region);
     const auto kpa = model_.moduli(unknown, theta);
-    State state{driven, model_.observed_displacement(kpa, driven), theta, {}, 0};
+    State state{driven, model_.observed_displacement(kpa, driven), theta, {}, counted, 0};
     state.seen = observations_.evaluate(state.driven, state.observed);
-    if (!held_.empty()) state.seen.seen = held_;
-    state.objective = objective_of(state, counted);
+    if (!counted) return recounted(std::move(state));
+    state.objective = objective_of(state);
     return state;
 }
 
-double Search::objective_of(const State& state, const Counted& counted) const {
-    double objective = noise_.misfit(state.seen.residual_mm, counted) + walls_.energy(state.driven);
+double Search::objective_of(const State& state) const {
+    double objective = state.counted->misfit(state.seen.residual_mm) + walls_.energy(state.driven);
     for (std::size_t k = 0; k < priors_.size(); ++k) {
         const double z = (state.theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
         objective += 0.5 * z * z;
@@ -136,12 +141,13 @@ double Search::objective_of(const State& state, const Counted& counted) const {
 }
 
 State Search::recounted(State state) const {
-    state.objective = objective_of(state, state.seen.seen);
+    state.counted = held_ ? held_ : noise_.count(state.seen);
+    state.objective = objective_of(state);
     return state;
 }
 
 std::vector<LinearRow> Search::rows_of(const State& state) const {
-    return noise_.linear_rows(state.seen);
+    return state.counted->linear_rows(state.seen);
 }
 
 LinearisedProblem Search::linearise(const State& state) const {
@@ -175,7 +181,7 @@ State Search::search_line(const State& from, const Eigen::VectorXd& driven,
     const auto offer = [&](double t) {
         check_cancelled(progress_);
         State trial = state_at(from.driven + t * (driven - from.driven),
-                               from.theta + t * (theta - from.theta), from.seen.seen);
+                               from.theta + t * (theta - from.theta), from.counted);
         const double value = trial.objective + t * 0.5 * determinant_change;
         if (std::isfinite(value) && value <= lowest) {
             lowest = value;
@@ -207,7 +213,7 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
         const Eigen::VectorXd theta = (proposal.tail(from.theta.size()) / mm_per_unit_ln)
                                           .cwiseMax(bounds_.lower_ln)
                                           .cwiseMin(bounds_.upper_ln);
-        State trial = state_at(proposal.head(n), theta, from.seen.seen);
+        State trial = state_at(proposal.head(n), theta, from.counted);
         const double allowed = from.objective - 0.5 * determinant_change + acceptable_rise;
         if (std::isfinite(trial.objective) && trial.objective <= allowed) return trial;
         acceleration.reset();
@@ -222,54 +228,78 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
 /// facets of a target, the objective has kinks at which no line search goes down.
 State Search::blind_step(const State& from, const ModulusMinimum& best) const {
     return state_at(0.5 * (from.driven + best.fit.driven), 0.5 * (from.theta + best.theta),
-                    from.seen.seen);
+                    from.counted);
 }
 
-/// The smallest part of sigma_n that the search may come to trust.
-double Search::scale_beside_contours() const {
-    return std::max(independent_part, options_.smallest_noise_scale);
+NoiseLevel Search::first_level() const {
+    const double contours =
+        options_.contour_mm.value_or(options_.estimate_noise ? first_contour_mm : 0.0);
+    return {std::max(1.0, options_.smallest_noise_scale), contours};
 }
 
-double Search::first_contour_error() const {
-    return options_.contour_mm.value_or(options_.estimate_noise ? first_contour_mm : 0.0);
-}
-
-void Search::start_noise() {
-    if (has_contour_error()) noise_.start({scale_beside_contours(), first_contour_error()});
-}
-
-/// Terraces are taken where the surfaces have come to, and what is not given is found. Returns
-/// whether it changed by more than 2 %.
-bool Search::update_noise(const ModulusMinimum& best, const State& state) {
-    NoiseLevel next = noise_.level();
-    if (options_.estimate_noise) {
-        next =
-            has_contour_error() ? level_with_contours(best.fit) : level_without_contours(best.fit);
-    }
-    const bool changed = differs(next.scale, noise_.level().scale) ||
-                         differs(next.contour_mm, noise_.level().contour_mm);
-    noise_.update(changed ? next : noise_.level(), state.seen);
-    return changed;
+NoiseLevel Search::level_for(const ModulusObjective::Fit& fit) const {
+    NoiseLevel level = noise_.level();
+    if (!options_.estimate_noise) return level;
+    if (!options_.contour_mm) level.contour_mm = contour_mm_for(fit);
+    level.scale = scale_for(fit);
+    return level;
 }
 
 /// sigma_n^2 such that the observed residual has the size that its own model predicts:
 /// E[r^T R^-1 r] = tr(R C^-1) for r = R C^-1 e.
-NoiseLevel Search::level_without_contours(const ModulusObjective::Fit& fit) const {
-    NoiseLevel level = noise_.level();
-    if (fit.effective_rows < 1) return level;
+double Search::scale_for(const ModulusObjective::Fit& fit) const {
+    if (fit.effective_rows < 1) return noise_.level().scale;
     const double factor = std::clamp(std::sqrt(fit.weighted_misfit / fit.effective_rows), 0.5, 2.0);
-    level.scale = std::clamp(level.scale * factor, options_.smallest_noise_scale, 20.0);
-    return level;
+    return std::clamp(noise_.level().scale * factor, options_.smallest_noise_scale, 20.0);
 }
 
-/// The contours' error such that E[r^T r] = tr(R C^-1 R). Without weights: those of R^-1 ask the
+/// The contours' error such that E[r^T D r] = tr(D R C^-1 R). Not weighted by R^-1: that asks the
 /// shortest waves, where the kernel is least certain and moduli do not show.
-NoiseLevel Search::level_with_contours(const ModulusObjective::Fit& fit) const {
-    NoiseLevel level{scale_beside_contours(), noise_.level().contour_mm};
-    if (options_.contour_mm || !(fit.expected_misfit_mm2 > 0)) return level;
-    level.contour_mm = std::clamp(noise_.contour_mm_for(fit.misfit_mm2 / fit.expected_misfit_mm2),
-                                  least_contour_mm, most_contour_mm);
-    return level;
+double Search::contour_mm_for(const ModulusObjective::Fit& fit) const {
+    if (!(fit.expected_misfit_mm2 > 0)) return noise_.level().contour_mm;
+    return std::clamp(noise_.contour_mm_for(fit.misfit_mm2 / fit.expected_misfit_mm2),
+                      least_contour_mm, most_contour_mm);
+}
+
+/// The most probable moduli with the surfaces linearised at `state`, whose own become those of a
+/// scan if that is asked for.
+ModulusMinimum Search::best_moduli(State& state, bool is_scanned) {
+    const LinearisedProblem problem = linearise(state);
+    check_cancelled(progress_);
+    if (is_scanned)
+        state = recounted(state_at(state.driven, scan_moduli(problem, bounds_), state.counted));
+    check_cancelled(progress_);
+    ModulusMinimum best = minimise_moduli(problem, state.theta, bounds_, hessian_);
+    hessian_ = best.hessian;
+    return best;
+}
+
+/// Finds what is not given of the noise together with the moduli, the surfaces linearised where
+/// they are: what a soft organ follows it does not leave, so that each depends on the other.
+/// Returns whether the noise changed by more than 2 %.
+bool Search::settle_noise(State& state, ModulusMinimum& best, bool is_scanned) {
+    bool changed = false;
+    for (int round = 0; round < noise_rounds; ++round) {
+        const NoiseLevel next = level_for(best.fit);
+        if (!is_other(next, noise_.level())) break;
+        changed = true;
+        noise_.set_level(next);
+        state = recounted(state);
+        best = best_moduli(state, is_scanned);
+    }
+    return changed;
+}
+
+/// Whether other moduli fit better than those of the valley where the search has ended, whose noise
+/// was not known when the valley was chosen. They are taken if so.
+bool Search::leaves_valley(State& state) {
+    const LinearisedProblem problem = linearise(state);
+    const Eigen::VectorXd theta = scan_moduli(problem, bounds_);
+    const std::vector<double> values = problem.objectives({state.theta, theta});
+    if (!(values[1] < values[0] - deeper)) return false;
+    hessian_ = {};
+    state = recounted(state_at(state.driven, theta, state.counted));
+    return true;
 }
 
 void Search::record(int iteration, const State& state, const ModulusMinimum& best, double step) {
@@ -284,10 +314,11 @@ void Search::record(int iteration, const State& state, const ModulusMinimum& bes
         text += fmt::format(" {:.4g} kPa,", entry.stiffness_kpa.back());
     }
     records_.push_back(entry);
-    report_progress(
-        progress_, "searching", -1,
-        fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, contours {:.2f} mm off",
-                    iteration, text, step, entry.objective, noise_.level().contour_mm));
+    report_progress(progress_, "searching", -1,
+                    fmt::format("iteration {}:{} step {:.2g} mm, objective {:.2f}, contours {:.2f} "
+                                "mm off, sigma_n x {:.2f}",
+                                iteration, text, step, entry.objective, noise_.level().contour_mm,
+                                noise_.level().scale));
 }
 
 MapEstimate Search::run() {
@@ -295,12 +326,10 @@ MapEstimate Search::run() {
     for (std::size_t k = 0; k < priors_.size(); ++k) {
         theta[k] = options_.start_kpa > 0 ? std::log(options_.start_kpa) : priors_[k].mean_ln;
     }
-    const Counted all(observations_.num_rows(), 1);
-    start_noise();
+    noise_.set_level(first_level());
     State state =
-        settle_walls(recounted(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, all)));
-
-    noise_.update(noise_.level(), state.seen);
+        settle_walls(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, nullptr));
+    noise_.take_terraces(state.seen);
     return iterate(recounted(state), true);
 }
 
@@ -317,38 +346,31 @@ MapEstimate Search::run_near(const MapEstimate& earlier) {
         bounds_.lower_ln = bounds_.lower_ln.cwiseMax((earlier.theta.array() - reach).matrix());
         bounds_.upper_ln = bounds_.upper_ln.cwiseMin((earlier.theta.array() + reach).matrix());
     }
-    return iterate(recounted(state_at(earlier.driven, earlier.theta, earlier.counted)), false);
+    return iterate(state_at(earlier.driven, earlier.theta, nullptr), false);
 }
 
 MapEstimate Search::iterate(State state, bool is_scanned) {
     Termination termination{
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
-    Eigen::MatrixXd hessian;
     int quiet_steps = 0, stalls = 0;
+    bool is_checked = !is_scanned || priors_.empty();  // for deeper valleys
     for (int k = 1; k <= options_.max_iterations; ++k) {
-        const LinearisedProblem problem = linearise(state);
-        check_cancelled(progress_);
-        const Eigen::VectorXd start =
-            k == 1 && is_scanned ? scan_moduli(problem, bounds_) : Eigen::VectorXd(state.theta);
-        if (k == 1) state = recounted(state_at(state.driven, start, state.seen.seen));
-        check_cancelled(progress_);
-        const ModulusMinimum best = minimise_moduli(problem, start, bounds_, hessian);
-        hessian = best.hessian;
+        const bool is_noise_open = k < options_.noise_iterations && !held_;
+        ModulusMinimum best = best_moduli(state, k == 1 && is_scanned);
+        const bool is_noise_new = is_noise_open && settle_noise(state, best, k == 1 && is_scanned);
+        if (is_noise_new) acceleration.reset();
         const double moved = largest(best.fit.driven - state.driven);
         const Eigen::VectorXd theta_before = state.theta;
         bool improved = true;
         state = recounted(accelerated_step(state, best, acceleration, improved));
         record(k, state, best, moved);
         termination.iterations = k;
-        if (k < options_.noise_iterations && held_.empty()) {
-            const bool changed = update_noise(best, state);
+        if (is_noise_open) {
+            noise_.take_terraces(state.seen);
             state = recounted(state);
-            if (changed) {
-                acceleration.reset();
-                continue;
-            }
         }
+        if (is_noise_new) continue;
         const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
         const double objective_changed =
             k == 1 ? 1e300 : std::abs(records_[k - 1].objective - records_[k - 2].objective);
@@ -357,6 +379,11 @@ MapEstimate Search::iterate(State state, bool is_scanned) {
             objective_changed < options_.objective_tolerance_per_row * observations_.num_rows();
         quiet_steps = is_quiet ? quiet_steps + 1 : 0;
         if (quiet_steps == needed_quiet_steps) {
+            if (!std::exchange(is_checked, true) && leaves_valley(state)) {
+                acceleration.reset();
+                quiet_steps = 0;
+                continue;
+            }
             termination.converged = true;
             termination.reason = fmt::format(
                 "{} steps in a row changed no modulus by more than {:.2g} of its standard "
@@ -392,7 +419,7 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.termination = termination;
     estimate.posterior = std::make_shared<LinearisedProblem>(linearise(state));
     const LinearisedProblem& problem = *estimate.posterior;
-    estimate.counted = state.seen.seen;
+    estimate.counted = state.counted;
     // The noise's own determinant is shared, but for what outliers make of it at each estimate.
     estimate.objective =
         state.objective + 0.5 * (problem.evaluate(state.theta, false).log_determinant -

@@ -17,6 +17,9 @@
 
 namespace palpate {
 
+/// No contours of two images that are further off together (mm) are looked for.
+constexpr double most_contour_mm = 1.5;
+
 struct MapOptions {
     int max_iterations = 40;
     // Converged: three steps in a row of which none would change ln E by more than the first times
@@ -30,10 +33,10 @@ struct MapOptions {
     double start_kpa = 0;        ///< of all unknown moduli; 0: the prior's median
     bool estimate_noise = true;  ///< find what is not given of the noise from the observed surface
     /// Standard deviation (mm) of the error of both images' contours together, which neighbouring
-    /// points share. Empty: found. 0: contours are exact, and the scale of sigma_n is found.
+    /// points share. Empty: found. Given, the scale of sigma_n is found instead.
     std::optional<double> contour_mm;
-    double smallest_noise_scale = 0.3;  ///< lower for surfaces without voxels
-    /// sigma_n and the terraces are held from here on, so that the steps can settle.
+    double smallest_noise_scale = 1;  ///< lower for surfaces without voxels
+    /// The size of the noise and the terraces are held from here on, so that the steps can settle.
     int noise_iterations = 6;
 };
 
@@ -53,7 +56,7 @@ struct MapEstimate {
     std::shared_ptr<const LinearisedProblem> posterior;
     NoiseLevel noise_level;
     std::shared_ptr<const SurfaceNoise> noise;  ///< as it was in the end; valid as the observations
-    std::vector<std::uint8_t> counted;          ///< [num rows] those that the objective is over
+    std::shared_ptr<const CountedRows> counted;  ///< those that the objective is over
     /// Minus the log posterior at the estimate, the wall motion integrated out, up to a constant
     /// that estimates of other models share if they hold this one's noise and rows.
     double objective = 0;
@@ -71,7 +74,7 @@ MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const ProgressSink& progress = {});
 
 /// The same, started at an earlier estimate from the same observations with another model, whose
-/// noise and counted rows are held: the objectives of the two can be compared.
+/// counted rows and their noise are held: the objectives of the two can be compared.
 MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& model,
                               const WallPrior& walls, const SurfaceObservations& observations,
                               const std::vector<ModulusPrior>& priors, const MapOptions& options,

@@ -76,21 +76,24 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
     Eigen::MatrixXd seen_modes(num_rows_, model_.num_modes());  // G_o V
     Eigen::VectorXd target(num_rows_);
     Eigen::MatrixXd noise(num_rows_, num_rows_);
+    Eigen::VectorXd weights(num_rows_);
     for (Index j = 0; j < num_rows_; ++j) {
         const LinearRow& row = *seen[j];
         seen_modes.row(j) = row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
         target[j] = row.normal.dot(change.segment<3>(3 * row.position)) - row.residual_mm;
         for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
         noise(j, j) = noise_variance(row);
+        weights[j] = row.weight;
     }
-    noise_trace_ = noise.trace();
-    target_squares_ = target.squaredNorm();
+    noise_trace_ = weights.dot(noise.diagonal());
+    target_squares_ = weights.dot(target.cwiseAbs2());
     squares_.setZero(model_.num_modes(), model_.num_modes());
     target_along_modes_.setZero(model_.num_modes());
     if (num_rows_ > 0 && model_.num_modes() > 0) {
-        squares_.selfadjointView<Eigen::Lower>().rankUpdate(seen_modes.transpose());
+        const Eigen::MatrixXd weighted = weights.cwiseSqrt().asDiagonal() * seen_modes;
+        squares_.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
         squares_.triangularView<Eigen::StrictlyUpper>() = squares_.transpose();
-        target_along_modes_ = seen_modes.transpose() * target;
+        target_along_modes_ = seen_modes.transpose() * weights.cwiseProduct(target);
     }
     const auto noise_factor = cholesky(noise, "covariance of the noise");
     noise_factor.matrixL().solveInPlace(seen_modes);
@@ -184,7 +187,8 @@ LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) cons
     response.inner.matrixL().solveInPlace(root_inverse);
     result.effective_rows =
         static_cast<double>(num_observed_rows() - rank()) + root_inverse.squaredNorm();
-    // r = y + G_o V z, z = s + X w;  tr(R C^-1 R) = tr R - tr(M^-1 (J P)^T J P), J P = -G_o V X.
+    // r = y + G_o V z, z = s + X w;  tr(D R C^-1 R) = tr D R - tr(M^-1 (J P)^T D J P),
+    // J P = -G_o V X.
     const auto moved = response.shapes.leftCols(rank());
     const Eigen::VectorXd shape = response.shapes.col(rank()) + moved * response.motion;
     result.misfit_mm2 = target_squares_ + shape.dot(2.0 * target_along_modes_ + squares_ * shape);

@@ -31,8 +31,8 @@ public:
         Eigen::VectorXd driven;          ///< most probable u_d at theta [driven_dofs]
         double weighted_misfit = 0;      ///< r^T R^-1 r of the observed residual r = R C^-1 e there
         double effective_rows = 0;       ///< trace of R C^-1: rows that the fit does not use up
-        double misfit_mm2 = 0;           ///< r^T r
-        double expected_misfit_mm2 = 0;  ///< its mean if R is right: trace of R C^-1 R
+        double misfit_mm2 = 0;           ///< r^T D r, D the weights of the rows
+        double expected_misfit_mm2 = 0;  ///< its mean if R is right: trace of D R C^-1 R
     };
 
     virtual ~ModulusObjective() = default;
@@ -111,11 +111,11 @@ private:
     Eigen::VectorXd pull_of_target_;    ///< V^T G_o^T R^-1 y [modes]
     double target_misfit_ = 0;          ///< y^T R^-1 y
     double noise_log_determinant_ = 0;  ///< ln det R
-    // The same without weights.
-    Eigen::MatrixXd squares_;             ///< V^T G_o^T G_o V [modes, modes]
-    Eigen::VectorXd target_along_modes_;  ///< V^T G_o^T y [modes]
-    double target_squares_ = 0;           ///< y^T y
-    double noise_trace_ = 0;              ///< tr R
+    // The same, but D in place of R^-1: only the weights of the rows.
+    Eigen::MatrixXd squares_;             ///< V^T G_o^T D G_o V [modes, modes]
+    Eigen::VectorXd target_along_modes_;  ///< V^T G_o^T D y [modes]
+    double target_squares_ = 0;           ///< y^T D y
+    double noise_trace_ = 0;              ///< tr D R
     Eigen::VectorXd mean_;                ///< N m, or N (m - u_d*)
     Eigen::MatrixXd spread_root_;         ///< P [functionals, rank], P P^T = N H^-1 N^T
     std::vector<Eigen::MatrixXd>

@@ -8,29 +8,56 @@
 #include <utility>
 
 #include "host/inverse/reduced_model.hpp"
+#include "solver/base/parallel.hpp"
+#include "solver/base/serial_blas.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr double robust_limit = 3.0;  // standard deviations
+/// An outlier bends what its neighbours say, so that it is looked for again without it.
+constexpr int outlier_passes = 3;
 
-/// Twice the robust loss is the square of this.
-double pulled_in(double z) {
-    const double size = std::abs(z);
-    if (size <= robust_limit) return z;
-    return std::copysign(std::sqrt(2.0 * robust_limit * (size - 0.5 * robust_limit)), z);
+double beyond_limit(double z) { return std::max(1.0, std::abs(z) / robust_limit); }
+
+/// The part of R that rows share.
+Eigen::MatrixXd correlated_part(const std::vector<LinearRow>& rows) {
+    const Index n = static_cast<Index>(rows.size());
+    Eigen::MatrixXd shared(n, n);
+    for (Index j = 0; j < n; ++j) {
+        shared(j, j) = correlated_variance(rows[j]);
+        for (Index i = j + 1; i < n; ++i)
+            shared(i, j) = shared(j, i) = noise_covariance(rows[i], rows[j]);
+    }
+    return shared;
 }
-
-/// Factor on sigma with which the quadratic loss has the slope of the robust one.
-double inflation(double z) { return std::sqrt(std::max(1.0, std::abs(z) / robust_limit)); }
 
 }  // namespace
 
+double CountedRows::misfit(const Eigen::VectorXd& residual_mm) const {
+    double sum = 0;
+    for (const Group& group : groups_) {
+        Eigen::VectorXd whitened = residual_mm(group.observations);
+        group.covariance.matrixL().solveInPlace(whitened);
+        sum += 0.5 * whitened.squaredNorm();
+    }
+    return sum;
+}
+
+std::vector<LinearRow> CountedRows::linear_rows(const ObservedState& seen) const {
+    std::vector<LinearRow> rows;
+    for (const Group& group : groups_) {
+        for (std::size_t i = 0; i < group.rows.size(); ++i) {
+            rows.push_back(group.rows[i]);
+            rows.back().normal = seen.normal.row(group.observations[i]);
+            rows.back().residual_mm = seen.residual_mm[group.observations[i]];
+        }
+    }
+    return rows;
+}
+
 SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observations_(&observations) {
-    std::map<std::pair<Index, bool>, std::vector<Index>> by_surface;
-    for (Index k = 0; k < observations.num_rows(); ++k) {
-        const Observation& seen = observations.rows()[k];
-        by_surface[{seen.surface, seen.on_driven}].push_back(k);
+    for (const Observation& seen : observations.rows()) {
         LinearRow row;
         row.on_driven = seen.on_driven;
         row.position = seen.position;
@@ -39,27 +66,28 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
         row.range_mm = observations.voxel_terraces().range_mm();
         rows_.push_back(row);
     }
-    for (auto& [surface, rows] : by_surface) groups_.push_back({std::move(rows), {}});
-    factorise();
+    set_level({});
 }
 
-void SurfaceNoise::start(const NoiseLevel& level) {
+void SurfaceNoise::set_level(const NoiseLevel& level) {
     level_ = level;
-    factorise();
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        const Observation& seen = observations_->rows()[k];
+        rows_[k].independent_mm = level_.scale * seen.independent_mm;
+        rows_[k].contour_mm = level_.contour_mm * seen.shared_factor;
+    }
 }
 
-void SurfaceNoise::update(const NoiseLevel& level, const ObservedState& state) {
-    level_ = level;
+void SurfaceNoise::take_terraces(const ObservedState& state) {
     const std::vector<Terraces> terraces = observations_->terraces(state);
     for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k].terraces = terraces[k];
-    factorise();
 }
 
 double SurfaceNoise::contour_mm_for(double factor) const {
     double others = 0, share = 0;
     for (std::size_t k = 0; k < rows_.size(); ++k) {
         if (rows_[k].on_driven) continue;
-        const double organs = observations_->rows()[k].terrace_factor;
+        const double organs = observations_->rows()[k].shared_factor;
         others += noise_variance(rows_[k]) - rows_[k].contour_mm * rows_[k].contour_mm;
         share += organs * organs;
     }
@@ -68,58 +96,72 @@ double SurfaceNoise::contour_mm_for(double factor) const {
     return std::sqrt(std::max(0.0, factor * (level_.contour_mm * level_.contour_mm + b) - b));
 }
 
-void SurfaceNoise::factorise() {
-    sigma_mm_.resize(rows_.size());
+std::shared_ptr<const CountedRows> SurfaceNoise::count(const ObservedState& state) const {
+    std::map<std::pair<Index, bool>, CountedRows::Group> by_surface;
     for (std::size_t k = 0; k < rows_.size(); ++k) {
-        const Observation& seen = observations_->rows()[k];
-        rows_[k].independent_mm = level_.scale * seen.independent_mm;
-        rows_[k].contour_mm = level_.contour_mm * seen.terrace_factor;
-        sigma_mm_[k] = std::sqrt(noise_variance(rows_[k]));
+        if (!state.seen[k]) continue;
+        CountedRows::Group& group = by_surface[{rows_[k].surface, rows_[k].on_driven}];
+        group.observations.push_back(static_cast<Index>(k));
+        group.rows.push_back(rows_[k]);
     }
-    for (Group& group : groups_) {
-        const Index n = static_cast<Index>(group.rows.size());
-        Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
-        for (Index j = 0; j < n; ++j) {
-            const Index b = group.rows[j];
-            for (Index i = j + 1; i < n; ++i) {
-                const Index a = group.rows[i];
-                correlation(i, j) =
-                    noise_covariance(rows_[a], rows_[b]) / (sigma_mm_[a] * sigma_mm_[b]);
-            }
+    auto counted = std::make_shared<CountedRows>();
+    for (auto& [surface, group] : by_surface) counted->groups_.push_back(std::move(group));
+    const SerialBlas serial;
+    parallel_ranges(static_cast<Index>(counted->groups_.size()), 1, [&](Index begin, Index end) {
+        for (Index g = begin; g < end; ++g) {
+            CountedRows::Group& group = counted->groups_[g];
+            const Eigen::VectorXd residual = state.residual_mm(group.observations);
+            group = inflated(std::move(group), residual);
         }
-        group.correlation = cholesky(correlation, "covariance of the noise");
-    }
+    });
+    return counted;
 }
 
-double SurfaceNoise::misfit(const Eigen::VectorXd& residual_mm,
-                            const std::vector<std::uint8_t>& counted) const {
-    double sum = 0;
-    for (const Group& group : groups_) {
-        Eigen::VectorXd z(group.rows.size());
-        for (std::size_t i = 0; i < group.rows.size(); ++i) {
-            const Index k = group.rows[i];
-            z[i] = counted[k] ? pulled_in(residual_mm[k] / sigma_mm_[k]) : 0.0;
+CountedRows::Group SurfaceNoise::inflated(CountedRows::Group group,
+                                          const Eigen::VectorXd& residual) const {
+    const Index n = static_cast<Index>(group.rows.size());
+    Eigen::MatrixXd shared = correlated_part(group.rows);
+    Eigen::VectorXd alone(n), extra = Eigen::VectorXd::Zero(n);
+    for (Index k = 0; k < n; ++k) alone[k] = std::pow(group.rows[k].independent_mm, 2);
+    const Eigen::VectorXd before = alone + shared.diagonal();
+    const auto factorise = [&] {
+        Eigen::MatrixXd covariance = shared;
+        covariance.diagonal() += alone + extra;
+        group.covariance = cholesky(covariance, "covariance of the noise");
+    };
+    factorise();
+    for (int pass = 0; pass < outlier_passes; ++pass) {
+        Eigen::MatrixXd root = Eigen::MatrixXd::Identity(n, n);
+        group.covariance.matrixL().solveInPlace(root);
+        const Eigen::VectorXd precision = root.colwise().squaredNorm();
+        const Eigen::VectorXd pull = group.covariance.solve(residual);
+        const Eigen::VectorXd last = extra;
+        for (Index k = 0; k < n; ++k) {
+            const double own = 1.0 / precision[k] - last[k];  // given its neighbours
+            const double z = pull[k] / precision[k] / std::sqrt(own);
+            extra[k] = own * (beyond_limit(z) - 1.0);
         }
-        group.correlation.matrixL().solveInPlace(z);
-        sum += 0.5 * z.squaredNorm();
+        if (extra == last) break;
+        factorise();
     }
-    return sum;
-}
-
-std::vector<LinearRow> SurfaceNoise::linear_rows(const ObservedState& seen) const {
-    std::vector<LinearRow> rows;
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-        if (!seen.seen[k]) continue;
-        rows.push_back(rows_[k]);
-        LinearRow& row = rows.back();
-        row.normal = seen.normal.row(k);
-        row.residual_mm = seen.residual_mm[k];
-        const double factor = inflation(row.residual_mm / sigma_mm_[k]);
-        row.independent_mm *= factor;
-        row.terraces.waves *= factor;
-        row.contour_mm *= factor;
+    const Eigen::VectorXd smooth = shared * group.covariance.solve(residual);
+    Eigen::VectorXd factor(n);
+    for (Index k = 0; k < n; ++k) {
+        const double sd = std::sqrt(shared(k, k));
+        factor[k] = sd > 0 ? std::sqrt(beyond_limit(smooth[k] / sd)) : 1.0;
     }
-    return rows;
+    if ((factor.array() > 1.0).any()) {
+        shared = factor.asDiagonal() * shared * factor.asDiagonal();
+        factorise();
+    }
+    for (Index k = 0; k < n; ++k) {
+        LinearRow& row = group.rows[k];
+        row.independent_mm = std::sqrt(alone[k] + extra[k]);
+        row.terraces.waves *= factor[k];
+        row.contour_mm *= factor[k];
+        row.weight = std::pow(before[k] / noise_variance(row), 2);
+    }
+    return group;
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "host/inverse/linear_row.hpp"
@@ -18,44 +19,57 @@ struct NoiseLevel {
     double contour_mm = 0;
 };
 
+/// The observations that count and their noise, Gaussian: held through a step, so that no step pays
+/// by moving surfaces to where the target does not show them, or by making outliers.
+class CountedRows {
+public:
+    /// 1/2 r^T R^-1 r of the rows that count; `residual_mm` [num observations].
+    double misfit(const Eigen::VectorXd& residual_mm) const;
+    /// The rows that count, linearised at `seen`.
+    std::vector<LinearRow> linear_rows(const ObservedState& seen) const;
+
+private:
+    friend class SurfaceNoise;
+
+    /// Rows of one surface on nodes of one kind; others are independent of them.
+    struct Group {
+        std::vector<Index> observations;
+        std::vector<LinearRow> rows;  ///< without normals and residuals
+        Eigen::LLT<Eigen::MatrixXd> covariance;
+    };
+    std::vector<Group> groups_;
+};
+
 /// The noise of all observations: independent and correlated parts, and what becomes of outliers.
-/// Residuals beyond three standard deviations count linearly (Huber): a wrong label, a kink of the
-/// target or a distance far larger than a voxel must neither dominate nor stall the search.
+/// A wrong label, a kink of the target or a distance far larger than a voxel must neither dominate
+/// nor stall the search: beyond three standard deviations residuals count linearly (Huber), by
+/// themselves where they differ from their neighbours and by patches where these share them.
 class SurfaceNoise {
 public:
     explicit SurfaceNoise(const SurfaceObservations& observations);
 
-    /// The same as `update` without terraces, before anything is known of where surfaces come to.
-    void start(const NoiseLevel& level);
+    void set_level(const NoiseLevel& level);
+    const NoiseLevel& level() const { return level_; }
     /// Terraces follow from the voxels, for the surfaces where `state` has them; at first there are
     /// none.
-    void update(const NoiseLevel& level, const ObservedState& state);
-    const NoiseLevel& level() const { return level_; }
+    void take_terraces(const ObservedState& state);
     /// The contours' standard deviation for which the observed rows would have `factor` times their
     /// variance: s^2 <- f (s^2 + b) - b, b the mean variance of all other parts.
     double contour_mm_for(double factor) const;
-    /// 1/2 z^T C^-1 z, z the residuals in standard deviations with outliers pulled in, C the
-    /// correlation; over the rows in `counted`.
-    double misfit(const Eigen::VectorXd& residual_mm,
-                  const std::vector<std::uint8_t>& counted) const;
-    /// One row per observation that is seen, the noise of outliers inflated so that the quadratic
-    /// loss has the slope of the robust one.
-    std::vector<LinearRow> linear_rows(const ObservedState& seen) const;
+    /// The rows that `state` sees. The noise of outliers is inflated so that the quadratic loss has
+    /// the slope of Huber's:
+    ///   alone: z = (R^-1 r)_k / sqrt((R^-1)_kk) is how far a row is from where its neighbours say,
+    ///     and its own independent variance grows until its conditional one is |z| / 3 as large;
+    ///   by patches: c = S R^-1 r is the smooth part of r, S the correlated part of R, and where
+    ///     z = c_k / sqrt(S_kk) is beyond 3 the correlated part is multiplied by sqrt(|z| / 3).
+    std::shared_ptr<const CountedRows> count(const ObservedState& state) const;
 
 private:
-    void factorise();
-
-    /// Rows of one surface on nodes of one kind; others are independent of them.
-    struct Group {
-        std::vector<Index> rows;
-        Eigen::LLT<Eigen::MatrixXd> correlation;
-    };
+    CountedRows::Group inflated(CountedRows::Group group, const Eigen::VectorXd& residual) const;
 
     const SurfaceObservations* observations_;
     NoiseLevel level_;
     std::vector<LinearRow> rows_;  ///< without normals and residuals
-    std::vector<double> sigma_mm_;
-    std::vector<Group> groups_;
 };
 
 }  // namespace palpate

@@ -39,7 +39,7 @@ struct BackgroundSettings {
 
 /// Priors and noise of the MAP estimate; every field has a default that suits millimetre voxels.
 struct PriorSettings {
-    double noise_voxels = 0.25;  ///< sigma_n as a fraction of the mean voxel spacing
+    double noise_voxels = 0.11;  ///< sigma_n as a fraction of the mean voxel spacing
     /// Standard deviation (mm) of how far whoever drew the contours of one image was off, along
     /// 7 mm in the same direction. Empty: found from how the surfaces fit.
     std::optional<double> contour_sd_mm;

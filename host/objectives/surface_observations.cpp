@@ -56,7 +56,7 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
                 std::min(1.0, area[v] / std::max(options.independent_area_mm2,
                                                  shapes_.target[s]->measured_area_mm2()));
             row.independent_mm = options.noise_mm * std::sqrt(surfaces_at[node] / share);
-            row.terrace_factor = std::sqrt(surfaces_at[node]);
+            row.shared_factor = std::sqrt(surfaces_at[node]);
             rows_.push_back(row);
         }
     }
@@ -86,7 +86,7 @@ std::vector<Terraces> SurfaceObservations::terraces(const ObservedState& state) 
     for (Index k = 0; k < num_rows(); ++k) {
         all.push_back(terraces_.of_distance(rows_[k].place, facing_[k], state.place.row(k),
                                             state.normal.row(k)));
-        all.back().waves *= rows_[k].terrace_factor;
+        all.back().waves *= rows_[k].shared_factor;
     }
     return all;
 }

@@ -40,7 +40,7 @@ struct Observation {
     Index position = 0;  ///< in `RecoveryModel::driven` or `observed`
     bool on_driven = false;
     double independent_mm = 0;  ///< standard deviation, inflated where nodes share voxels
-    double terrace_factor = 1;  ///< on the terraces, where organs share a node
+    double shared_factor = 1;   ///< on what organs share at a node of both: root of their number
     Vec3 place = Vec3::Zero();  ///< reference position of the node, mm
 };
 

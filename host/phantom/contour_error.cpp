@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -22,12 +23,13 @@ constexpr int num_waves = 400;
 constexpr double largest_sd_mm = 2, shortest_mm = 1, longest_mm = 50;
 constexpr double farthest_sd = 5;  ///< no contour is further off
 
-constexpr std::array<std::pair<ContourStyle, const char*>, 5> style_names{
+constexpr std::array<std::pair<ContourStyle, const char*>, 6> style_names{
     {{ContourStyle::exact, "exact"},
      {ContourStyle::exponential, "exponential"},
      {ContourStyle::matern32, "matern32"},
      {ContourStyle::squared, "squared"},
-     {ContourStyle::slices, "slices"}}};
+     {ContourStyle::slices, "slices"},
+     {ContourStyle::drawn, "drawn"}}};
 
 double normal_number(RandomNumbers& random) {
     const double radius = std::sqrt(-2 * std::log(random.uniform(1e-300, 1)));
@@ -68,10 +70,11 @@ public:
 
     double at(const Vec3& point, Index slice, const Vec3& normal) const {
         if (whole_) return options_.sd_mm * whole_->value(point);
+        // What is drawn moves in its plane: along the surface's normal only its part counts.
         const Vec3 inplane = normal - normal.dot(across_) * across_;
-        const double shift = shifts_[slice].dot(inplane) / std::max(inplane.norm(), 1e-9);
         const Vec3 place = point - point.dot(across_) * across_;
-        return options_.sd_mm * std::sqrt(0.5) * (slices_[slice].value(place) + shift);
+        return options_.sd_mm * std::sqrt(0.5) *
+               (inplane.norm() * slices_[slice].value(place) + inplane.dot(shifts_[slice]));
     }
 
 private:
@@ -82,11 +85,18 @@ private:
     Vec3 across_ = Vec3::Zero();
 };
 
+/// A smoothed distance grows too slowly with the distance.
+double steep(double level, const Vec3& gradient) { return level / std::max(gradient.norm(), 0.5); }
+
+std::uint64_t seed_of(Index region, std::uint64_t seed) {
+    return seed * 1000003ull + std::uint64_t(region) * 8191ull;
+}
+
 [[noreturn]] void refuse(const std::string& text) {
     throw Error(ErrorCode::invalid_argument,
                 fmt::format("contours: '{}' is not understood; allowed: exact, or STYLE:SD:LENGTH "
                             "with STYLE one of exponential, matern32, squared, slices, SD of 0 to "
-                            "{} mm and LENGTH of {} to {} mm, such as matern32:0.5:7",
+                            "{} mm and LENGTH of {} to {} mm, such as matern32:0.5:7, or drawn:SD",
                             text, largest_sd_mm, shortest_mm, longest_mm));
 }
 
@@ -99,8 +109,9 @@ ContourErrorOptions contour_error_of(const std::string& text) {
     char colon = 0;
     ContourErrorOptions options;
     std::getline(in, name, ':');
-    if (!(in >> options.sd_mm >> colon >> options.length_mm) || colon != ':' || !in.eof())
-        refuse(text);
+    in >> options.sd_mm;
+    if (in && name != "drawn") in >> colon >> options.length_mm;
+    if (!in || (name != "drawn" && colon != ':') || !(in.eof() || in.peek() == EOF)) refuse(text);
     for (const auto& [style, known] : style_names) {
         if (name == known) options.style = style;
     }
@@ -112,11 +123,22 @@ ContourErrorOptions contour_error_of(const std::string& text) {
 
 std::string to_text(const ContourErrorOptions& options) {
     if (options.style == ContourStyle::exact) return "exact";
+    if (options.style == ContourStyle::drawn) return fmt::format("drawn:{}", options.sd_mm);
     for (const auto& [style, name] : style_names) {
         if (style == options.style)
             return fmt::format("{}:{}:{}", name, options.sd_mm, options.length_mm);
     }
     return {};
+}
+
+ContourErrorOptions drawn_for(ContourErrorOptions options, unsigned seed) {
+    if (options.style != ContourStyle::drawn) return options;
+    RandomNumbers random(0x636f6e74ull * 1000003ull + seed);
+    constexpr std::array styles{ContourStyle::exponential, ContourStyle::matern32,
+                                ContourStyle::squared, ContourStyle::slices};
+    options.style = styles[std::size_t(random.uniform(0, styles.size()))];
+    options.length_mm = random.uniform(4, 12);
+    return options;
 }
 
 RandomField::RandomField(ContourStyle style, double length_mm, std::uint64_t seed) {
@@ -137,9 +159,8 @@ double RandomField::value(const Vec3& point) const {
 RegionImage drawn_regions(const LabelField& truth, const ImageGrid& grid,
                           const ContourErrorOptions& options, std::uint64_t seed) {
     std::vector<ContourError> errors;
-    for (Index region = 0; region < truth.num_regions(); ++region) {
-        errors.emplace_back(options, grid, seed * 1000003ull + std::uint64_t(region) * 8191ull);
-    }
+    for (Index region = 0; region < truth.num_regions(); ++region)
+        errors.emplace_back(options, grid, seed_of(region, seed));
     RegionImage drawn{grid, std::vector<std::uint8_t>(grid.num_voxels(), background_region)};
     const double reach = farthest_sd * options.sd_mm;
     parallel_for(grid.size[2], [&](Index begin, Index end) {
@@ -152,10 +173,9 @@ RegionImage drawn_regions(const LabelField& truth, const ImageGrid& grid,
                          ++region) {
                         if (truth.lower_bound(region, point) > reach) continue;
                         Vec3 normal;
-                        double level = truth.value(region, point, normal);
-                        level /= std::max(normal.norm(), 0.5);  // smoothed, it grows too slowly
+                        double level = steep(truth.value(region, point, normal), normal);
                         if (options.style != ContourStyle::exact && std::abs(level) < reach)
-                            level -= errors[region].at(point, k, normal);
+                            level -= errors[region].at(point, k, normal.normalized());
                         if (level >= deepest) continue;
                         deepest = level;
                         drawn.at(i, j, k) = static_cast<std::uint8_t>(region);
@@ -165,6 +185,27 @@ RegionImage drawn_regions(const LabelField& truth, const ImageGrid& grid,
         }
     });
     return drawn;
+}
+
+void draw_border(const LabelField& truth, Index whole, Index part,
+                 const ContourErrorOptions& options, std::uint64_t seed, RegionImage& drawn) {
+    const ImageGrid& grid = drawn.grid;
+    const ContourError error(options, grid, seed_of(part, seed));
+    parallel_for(grid.size[2], [&](Index begin, Index end) {
+        for (Index k = begin; k < end; ++k) {
+            for (Index j = 0; j < grid.size[1]; ++j) {
+                for (Index i = 0; i < grid.size[0]; ++i) {
+                    if (drawn.at(i, j, k) != whole) continue;
+                    const Vec3 point = grid.to_point(Vec3(i, j, k));
+                    Vec3 normal;
+                    const double level =
+                        steep(truth.interface_value(part, whole, point, &normal), normal);
+                    if (level < error.at(point, k, normal.normalized()))
+                        drawn.at(i, j, k) = static_cast<std::uint8_t>(part);
+                }
+            }
+        }
+    });
 }
 
 }  // namespace palpate

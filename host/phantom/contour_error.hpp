@@ -18,16 +18,20 @@ enum class ContourStyle {
     matern32,     ///< (1 + q) exp(-q), q = sqrt(3) d / l
     squared,      ///< exp(-(d / l)^2 / 2): smooth
     slices,       ///< each slice shifted and waved in its plane by itself
+    drawn,        ///< one of these at random, as is the length
 };
 
 struct ContourErrorOptions {
     ContourStyle style = ContourStyle::exact;
-    double sd_mm = 0;      ///< along the normal, 0..2
+    double sd_mm = 0;      ///< along the normal, 0..2; of `slices` along one in the slice's plane
     double length_mm = 7;  ///< l, 1..50
 };
 
-/// "exact", or STYLE:SD:LENGTH such as "matern32:0.5:7". Throws Error(invalid_argument).
+/// "exact", or STYLE:SD:LENGTH such as "matern32:0.5:7", or "drawn:SD". Throws
+/// Error(invalid_argument).
 ContourErrorOptions contour_error_of(const std::string& text);
+/// Style and length (4 to 12 mm) drawn for a seed, if that is what `options` say.
+ContourErrorOptions drawn_for(ContourErrorOptions options, unsigned seed);
 std::string to_text(const ContourErrorOptions& options);
 
 /// A random field on space of standard deviation 1: cosine waves whose wave vectors are drawn from
@@ -48,5 +52,10 @@ private:
 /// of the one in which it lies deepest. The same for the same seed.
 RegionImage drawn_regions(const LabelField& truth, const ImageGrid& grid,
                           const ContourErrorOptions& options, std::uint64_t seed);
+
+/// Gives the voxels of region `whole` of `drawn` that lie in region `part` of `truth` its number;
+/// the border between the two is off like an outline.
+void draw_border(const LabelField& truth, Index whole, Index part,
+                 const ContourErrorOptions& options, std::uint64_t seed, RegionImage& drawn);
 
 }  // namespace palpate

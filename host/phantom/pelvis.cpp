@@ -12,7 +12,6 @@
 #include "host/phantom/deform.hpp"
 #include "host/phantom/tumour.hpp"
 #include "host/phantom/voxelise.hpp"
-#include "host/phantom/wall_motion.hpp"
 #include "host/phantom/zones.hpp"
 #include "host/surfaces/extract.hpp"
 #include "solver/base/error.hpp"
@@ -135,10 +134,17 @@ RegionImage drawn_image(const RegionMesh& mesh, const std::vector<Vec3>& nodes,
     const ImageGrid grid = grid_of_box(anatomy, options.spacing);
     if (options.contours.style == ContourStyle::exact)
         return regions_on_grid(mesh, nodes, hollow_regions, grid);
-    const Vec3 fine = (0.6 * options.spacing).cwiseMax(0.4).cwiseMin(0.8);
-    const LabelField truth(regions_on_grid(mesh, nodes, hollow_regions, grid_of_box(anatomy, fine)),
-                           num_regions);
-    return drawn_regions(truth, grid, options.contours, 2ull * options.seed + image);
+    const Vec3 fine = (0.6 * options.spacing).cwiseMax(0.3).cwiseMin(0.8);
+    RegionImage truth = regions_on_grid(mesh, nodes, hollow_regions, grid_of_box(anatomy, fine));
+    const std::uint64_t seed = 2ull * options.seed + image;
+    if (!options.zone_stiffness_kpa)
+        return drawn_regions(LabelField(truth, num_regions), grid, options.contours, seed);
+    // One outline round both zones, and the border between them.
+    const LabelField zones(truth, num_regions);
+    std::ranges::replace(truth.voxels, transition_zone_region, prostate_region);
+    RegionImage drawn = drawn_regions(LabelField(truth, num_regions), grid, options.contours, seed);
+    draw_border(zones, prostate_region, transition_zone_region, options.contours, seed, drawn);
+    return drawn;
 }
 
 LabelImage to_labels(const RegionImage& regions, const Settings& settings) {
@@ -261,9 +267,9 @@ WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOption
     MesherSummary summary;
     const RegionMesh mesh = make_reference_mesh(anatomy, options, mesher, summary, progress);
     const Index num_regions = make_settings(options).num_regions();
-    return make_wall_problem(with_tumour(mesh, anatomy, options, num_regions),
-                             make_materials(options, num_regions),
-                             make_wall_motions(anatomy, options.seed, options.tangential_factor));
+    return make_wall_problem(
+        with_tumour(mesh, anatomy, options, num_regions), make_materials(options, num_regions),
+        make_wall_motions(anatomy, options.seed, options.tangential_factor, options.load));
 }
 
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
@@ -276,7 +282,7 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
 
     phantom.mesh = make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
     const std::vector<WallMotion> motions =
-        make_wall_motions(anatomy, options.seed, options.tangential_factor);
+        make_wall_motions(anatomy, options.seed, options.tangential_factor, options.load);
     const RegionMesh loaded =
         with_tumour(phantom.mesh, anatomy, options, phantom.settings.num_regions());
     Deformation deformation = deform_by_walls(loaded, materials, motions, options.load_factor,

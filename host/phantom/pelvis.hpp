@@ -13,6 +13,7 @@
 #include "host/modelling/settings.hpp"
 #include "host/phantom/contour_error.hpp"
 #include "host/phantom/deform.hpp"
+#include "host/phantom/wall_motion.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
@@ -27,7 +28,8 @@ struct PelvisOptions {
     ContourErrorOptions contours;  ///< how both label volumes are drawn
     Index num_nodes = 30000;       ///< of the mesh that the truth is solved on
     double tangential_factor = 1;  ///< on the walls' motion along themselves
-    double tumour_fraction = 0;    ///< of the prostate's volume that is tumour, 0..0.95; no label
+    LoadFamily load = LoadFamily::mixed;
+    double tumour_fraction = 0;  ///< of the prostate's volume that is tumour, 0..0.95; no label
     double tumour_stiffness_kpa = 100;
     /// Of transition and peripheral zone, 1..10000, which get labels of their own in place of the
     /// one prostate; empty: one zone of `stiffness_kpa`.

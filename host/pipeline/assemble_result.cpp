@@ -237,8 +237,34 @@ std::vector<Vec3> box_of_region(const LabelledState& target, const AlignmentResu
 std::optional<ContourError> contour_error(const MapEstimate& estimate, const TargetState& target,
                                           const Settings& settings) {
     if (!estimate.posterior) return std::nullopt;
-    return ContourError{estimate.noise_level.contour_mm / contour_images(target), contour_length_mm,
-                        settings.prior.contour_sd_mm.has_value()};
+    const bool is_given = settings.prior.contour_sd_mm.has_value();
+    if (!is_given && estimate.posterior->num_observed_rows() == 0) return std::nullopt;
+    const NoiseLevel& noise = estimate.noise_level;
+    return ContourError{noise.contour_mm / contour_images(target),
+                        contour_length_mm,
+                        is_given,
+                        target.labels ? 2 : 1,
+                        noise.scale,
+                        !is_given && noise.contour_mm >= most_contour_mm};
+}
+
+/// What a reader must know where contours and surfaces do not go together.
+std::vector<std::string> warnings_about(const std::optional<ContourError>& contours) {
+    constexpr double much = 3;  // times what voxels leave
+    if (!contours) return {};
+    if (contours->is_most)
+        return {fmt::format(
+            "The surfaces fit as badly as if contours were off by {:.2g} mm, the most that is "
+            "looked for: a label may mean something else in one of the images, or the alignment "
+            "be wrong. Look at the distances that are left; the intervals may be too narrow.",
+            contours->sd_mm)};
+    if (contours->is_given && contours->point_scale > much)
+        return {
+            fmt::format("The surfaces do not fit with contour_sd_mm = {:.2g}: each point is "
+                        "off by itself {:.1f} times as far as voxels explain. Contours may be "
+                        "further off than given.",
+                        contours->sd_mm, contours->point_scale)};
+    return {};
 }
 
 SurfaceResult surface_result(const Recovered& found, std::size_t s, const TargetState& target,
@@ -366,9 +392,12 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.device = found.solver.device;
     result.full_model_residual = found.relative_residual;
     result.warnings = found.warnings;
-    for (auto& warning : warnings_about(result.surfaces)) {
+    for (auto& warning : warnings_about(result.surfaces))
         result.warnings.push_back(std::move(warning));
-    }
+    for (auto& warning : warnings_about(result.contours))
+        result.warnings.push_back(std::move(warning));
+    if (settings.prior.contour_sd_mm && !found.estimate.posterior)
+        result.warnings.push_back("contour_sd_mm has no effect on --method nested-lbfgs.");
     add_volumes(found, reference, target, settings, result);
     return result;
 }

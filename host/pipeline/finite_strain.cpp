@@ -223,7 +223,7 @@ void Rounds::judge() {
     const ResponseModel shifted(std::move(parts));
     const LinearisedProblem problem(
         shifted, rest_.walls,
-        estimate.noise->linear_rows(observations_.evaluate(estimate.driven, estimate.observed)),
+        estimate.counted->linear_rows(observations_.evaluate(estimate.driven, estimate.observed)),
         estimate.driven, estimate.observed, rest_.priors);
     MapEstimate far = estimate;
     take_uncertainty(problem, options_.search, far, progress_);

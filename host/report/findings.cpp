@@ -150,7 +150,10 @@ std::string termination_sentence(const RecoveryResult& result) {
 std::string contours_sentence(const RecoveryResult& result) {
     if (!result.contours) return "";
     const ContourError& contours = *result.contours;
-    return fmt::format("The contours of each image {} {} mm off, smoothly along some {} mm.",
+    const char* whose = contours.images == 2 ? "of each image" : "of the reference";
+    if (contours.is_given && contours.sd_mm == 0)
+        return fmt::format("The contours {} were given to be exact.", whose);
+    return fmt::format("The contours {} {} {} mm off, smoothly along some {} mm.", whose,
                        contours.is_given ? "were given to be" : "seem to be",
                        decimals(contours.sd_mm, 2), significant(contours.length_mm));
 }

@@ -204,7 +204,8 @@ Json contours_json(const std::optional<ContourError>& contours) {
     if (!contours) return nullptr;
     return {{"sd_mm", number(contours->sd_mm)},
             {"length_mm", number(contours->length_mm)},
-            {"given", contours->is_given}};
+            {"given", contours->is_given},
+            {"point_scale", number(contours->point_scale)}};
 }
 
 Json organ_json(const OrganSettings& o) {

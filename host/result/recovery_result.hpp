@@ -87,8 +87,11 @@ struct SurfaceResult {
 /// How far the contours of one image are off, smoothly along each surface.
 struct ContourError {
     double sd_mm = 0;
-    double length_mm = 0;   ///< of its correlation (Matern 3/2)
-    bool is_given = false;  ///< by the settings; else found from how the surfaces fit
+    double length_mm = 0;    ///< of its correlation (Matern 3/2)
+    bool is_given = false;   ///< by the settings; else found from how the surfaces fit
+    int images = 2;          ///< 1: the target is of surfaces or points, whose noise is given
+    double point_scale = 1;  ///< how often what voxels leave each point is off by itself
+    bool is_most = false;    ///< as far as is looked for
 };
 
 /// What holds a node of the mesh.

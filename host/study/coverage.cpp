@@ -44,19 +44,28 @@ StudyReport coverage_report(const std::vector<Row>& rows) {
     return report;
 }
 
+std::vector<std::string> coverage_columns() {
+    std::vector<std::string> columns{"load", "contours"};
+    const std::vector<std::string> further = pelvis_columns();
+    columns.insert(columns.end(), further.begin(), further.end());
+    return columns;
+}
+
 }  // namespace
 
 Study make_coverage_study(const StudyOptions& options) {
     Study study{"coverage",
                 "Do the 95 % intervals hold the truth",
                 pelvis_settings(options),
-                pelvis_columns(),
+                coverage_columns(),
                 {},
                 coverage_report};
     for (int k = 0; k < options.phantoms; ++k) {
         const unsigned seed = options.first_seed + unsigned(k);
         PelvisCase work;
         work.truth = pelvis_options(options, seed, drawn_stiffness_kpa(seed));
+        work.labels = {{"load", name_of(work.truth.load)},
+                       {"contours", to_text(work.truth.contours)}};
         StudyCase one = study_case(work, options);
         one.id = fmt::format("seed-{}", seed);
         study.cases.push_back(std::move(one));

@@ -74,7 +74,8 @@ PelvisOptions pelvis_options(const StudyOptions& options, unsigned seed, double 
     truth.seed = seed;
     truth.stiffness_kpa = stiffness_kpa;
     truth.spacing = options.spacing;
-    truth.contours = options.contours;
+    truth.contours = drawn_for(options.contours, seed);
+    truth.load = drawn_for(options.load, seed);
     truth.num_nodes = options.phantom_nodes;
     truth.tangential_factor = options.tangential;
     return truth;
@@ -101,10 +102,10 @@ PelvisOutcome run_pelvis_case(const PelvisCase& work, const StudyOptions& option
 }
 
 std::vector<std::string> pelvis_columns() {
-    return {"seed",          "true_kpa",         "expected_kpa",    "found_kpa",
-            "error_percent", "low_kpa",          "high_kpa",        "holds_truth",
-            "verdict",       "landmark_mean_mm", "landmark_max_mm", "converged",
-            "iterations",    "seconds"};
+    return {"seed",        "true_kpa", "expected_kpa",     "found_kpa",       "error_percent",
+            "low_kpa",     "high_kpa", "holds_truth",      "ln_error",        "claimed_sd",
+            "contours_mm", "verdict",  "landmark_mean_mm", "landmark_max_mm", "converged",
+            "iterations",  "seconds"};
 }
 
 Row pelvis_row(const PelvisCase& work, const PelvisOutcome& outcome) {
@@ -122,6 +123,9 @@ Row pelvis_row(const PelvisCase& work, const PelvisOutcome& outcome) {
     row.set("low_kpa", low, 2);
     row.set("high_kpa", high, 2);
     row.set_flag("holds_truth", low <= expected && expected <= high);
+    row.set("ln_error", std::log(found.stiffness_kpa / expected), 3);
+    row.set("claimed_sd", std::log(high / low) / (2 * 1.96), 3);
+    row.set("contours_mm", outcome.result.contours ? outcome.result.contours->sd_mm : 0.0, 3);
     row.set("verdict", found.verdict);
     row.set("landmark_mean_mm", mean_of(errors), 3);
     row.set("landmark_max_mm", *std::max_element(errors.begin(), errors.end()), 3);
@@ -149,6 +153,7 @@ std::vector<std::pair<std::string, std::string>> pelvis_settings(const StudyOpti
         {"spacing", fmt::format("{} x {} x {} mm", options.spacing[0], options.spacing[1],
                                 options.spacing[2])},
         {"contours", to_text(options.contours)},
+        {"load", name_of(options.load)},
         {"nodes", fmt::format("{}", options.mesher.num_nodes)},
         {"phantom nodes", fmt::format("{}", options.phantom_nodes)},
         {"tangential factor", fmt::format("{}", options.tangential)},

@@ -7,6 +7,7 @@
 
 #include "host/meshing/mesher.hpp"
 #include "host/phantom/contour_error.hpp"
+#include "host/phantom/wall_motion.hpp"
 #include "host/study/study.hpp"
 #include "solver/linear/linear_solver.hpp"
 
@@ -19,8 +20,9 @@ struct StudyOptions {
     Index phantom_nodes = 30000;   ///< of the meshes that truths are solved on
     Vec3 spacing{1, 1, 1};         ///< mm, of the label volumes
     ContourErrorOptions contours;  ///< how both label volumes are drawn
-    double tangential = 1;         ///< factor on the walls' motion along themselves
-    MesherOptions mesher;          ///< of the recovery; `num_nodes` is its mesh size
+    LoadFamily load = LoadFamily::mixed;
+    double tangential = 1;  ///< factor on the walls' motion along themselves
+    MesherOptions mesher;   ///< of the recovery; `num_nodes` is its mesh size
     LinearSolverOptions solver;
 };
 
@@ -29,6 +31,7 @@ struct StudyEntry {
     std::string about;  ///< one line for --help
     int phantoms = 1;   ///< default of `StudyOptions::phantoms`; 0: it makes no pelvis phantoms
     Study (*make)(const StudyOptions& options);
+    bool has_images = true;  ///< it recovers from label volumes, which can be drawn badly
 };
 
 /// All studies; `make` gets options with a number of phantoms.

@@ -57,6 +57,10 @@ TEST(Findings, SayHowFarContoursAreOffAndWhoSaidSo) {
     EXPECT_NE(contours_sentence(result).find("seem to be 0.42 mm off"), std::string::npos);
     result.contours->is_given = true;
     EXPECT_NE(contours_sentence(result).find("were given to be 0.42 mm off"), std::string::npos);
+    result.contours->images = 1;
+    EXPECT_NE(contours_sentence(result).find("of the reference"), std::string::npos);
+    result.contours->sd_mm = 0;
+    EXPECT_NE(contours_sentence(result).find("given to be exact"), std::string::npos);
     result.contours.reset();
     EXPECT_EQ(contours_sentence(result), "");
 }

@@ -66,7 +66,7 @@ TEST(JsonReport, HoldsTheFieldsThatProgramsReadByName) {
     EXPECT_EQ(j["settings"]["background"]["stiffness_kpa"], 10.0);
     EXPECT_EQ(j["settings"]["organ"][0]["stiffness_kpa"], "unknown");
     EXPECT_EQ(j["settings"]["organ"][2]["hollow"], true);
-    EXPECT_EQ(j["settings"]["prior"]["noise_voxels"], 0.25);
+    EXPECT_EQ(j["settings"]["prior"]["noise_voxels"], 0.11);
     EXPECT_EQ(j["settings"]["prior"]["contour_sd_mm"], "unknown");
     EXPECT_EQ(j["contours"]["sd_mm"], 0.42);
     EXPECT_EQ(j["contours"]["given"], false);
