@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/objectives/target_frame.hpp"
 #include "host/objectives/voxel_terraces.hpp"
 #include "solver/base/types.hpp"
 
@@ -25,6 +26,16 @@ struct LinearRow {
     Vec3 place = Vec3::Zero();  ///< of the node, reference, mm
     std::array<double, max_terraces> range_mm{};  ///< the correlation of each wave falls to 1/e
     double weight = 1;  ///< in sums that the size of the noise is found from; less for outliers
+};
+
+/// The target's alignment as an unknown of its own: delta ~ N(0, covariance).
+struct FramePrior {
+    using Covariance = Eigen::Matrix<double, 6, 6>;
+    TargetFrame frame;
+    Covariance covariance = Covariance::Zero();  ///< zero: it is exact
+    FrameMotion motion = FrameMotion::Zero();    ///< delta at which rows are linearised
+
+    Index size() const { return covariance.isZero(0) ? 0 : 6; }
 };
 
 /// Length (mm) of the correlation of what whoever drew a contour adds.

@@ -52,8 +52,31 @@ ModulusBounds all_bounds(const MapOptions& options, Index num_unknown) {
 
 using Counted = std::shared_ptr<const CountedRows>;
 
-struct State {
-    Eigen::VectorXd driven, observed, theta;
+/// What is searched for.
+struct Position {
+    Eigen::VectorXd driven;
+    FrameMotion frame = FrameMotion::Zero();
+    Eigen::VectorXd theta;
+
+    /// Part of the way to another.
+    Position towards(const Position& other, double t) const {
+        return {driven + t * (other.driven - driven), frame + t * (other.frame - frame),
+                theta + t * (other.theta - theta)};
+    }
+    /// As one vector, in which a unit of each has about the same weight.
+    Eigen::VectorXd scaled() const {
+        Eigen::VectorXd all(driven.size() + 6 + theta.size());
+        all << driven, frame, mm_per_unit_ln * theta;
+        return all;
+    }
+};
+
+Position position_of(const ModulusMinimum& best) {
+    return {best.fit.driven, best.fit.frame, best.theta};
+}
+
+struct State : Position {
+    Eigen::VectorXd observed;
     ObservedState seen;
     Counted counted;       ///< the rows that the objective is over
     double objective = 0;  ///< nonlinear, without the determinant
@@ -81,17 +104,16 @@ private:
     /// `is_scanned`: the moduli start at the best of a coarse scan, not at those of `state`.
     MapEstimate iterate(State state, bool is_scanned);
     /// Without `counted` all rows that are seen there count.
-    State state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
-                   const Counted& counted) const;
+    State state_at(const Position& position, const Counted& counted) const;
     double objective_of(const State& state) const;
     /// The same place, its objective over what is seen there with the noise that it has there.
     State recounted(State state) const;
     std::vector<LinearRow> rows_of(const State& state) const;
     LinearisedProblem linearise(const State& state) const;
     State settle_walls(State state) const;
-    State search_line(const State& from, const Eigen::VectorXd& driven,
-                      const Eigen::VectorXd& theta, double determinant_change,
+    State search_line(const State& from, const Position& to, double determinant_change,
                       double& length) const;
+    FramePrior frame_of(const State& state) const;
     State accelerated_step(const State& from, const ModulusMinimum& best,
                            AndersonAcceleration& acceleration, bool& improved) const;
     State blind_step(const State& from, const ModulusMinimum& best) const;
@@ -119,20 +141,20 @@ private:
     std::vector<IterationRecord> records_;
 };
 
-State Search::state_at(const Eigen::VectorXd& driven, const Eigen::VectorXd& theta,
-                       const Counted& counted) const {
+State Search::state_at(const Position& position, const Counted& counted) const {
     std::vector<Index> unknown;
     for (const auto& prior : priors_) unknown.push_back(prior.region);
-    const auto kpa = model_.moduli(unknown, theta);
-    State state{driven, model_.observed_displacement(kpa, driven), theta, {}, counted, 0};
-    state.seen = observations_.evaluate(state.driven, state.observed);
+    const auto kpa = model_.moduli(unknown, position.theta);
+    State state{position, model_.observed_displacement(kpa, position.driven), {}, counted, 0};
+    state.seen = observations_.evaluate(state.driven, state.observed, state.frame);
     if (!counted) return recounted(std::move(state));
     state.objective = objective_of(state);
     return state;
 }
 
 double Search::objective_of(const State& state) const {
-    double objective = state.counted->misfit(state.seen.residual_mm) + walls_.energy(state.driven);
+    double objective = state.counted->misfit(state.seen.residual_mm) +
+                       walls_.energy(state.driven) + state.counted->energy(state.frame);
     for (std::size_t k = 0; k < priors_.size(); ++k) {
         const double z = (state.theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
         objective += 0.5 * z * z;
@@ -152,7 +174,14 @@ std::vector<LinearRow> Search::rows_of(const State& state) const {
 
 LinearisedProblem Search::linearise(const State& state) const {
     check_cancelled(progress_);
-    return LinearisedProblem(model_, walls_, rows_of(state), state.driven, state.observed, priors_);
+    return LinearisedProblem(model_, walls_, rows_of(state), state.driven, state.observed, priors_,
+                             frame_of(state));
+}
+
+FramePrior Search::frame_of(const State& state) const {
+    FramePrior frame = state.counted->frame();
+    frame.motion = state.frame;
+    return frame;
 }
 
 /// Brings the driven walls near their targets with the moduli held, before anything is concluded
@@ -160,8 +189,9 @@ LinearisedProblem Search::linearise(const State& state) const {
 State Search::settle_walls(State state) const {
     for (int k = 0; k < 6; ++k) {
         double length = 0;
-        const WallPosterior walls(walls_, rows_of(state), state.driven);
-        const State next = search_line(state, walls.mean(), state.theta, 0.0, length);
+        const WallPosterior walls(walls_, rows_of(state), state.driven, frame_of(state));
+        const State next =
+            search_line(state, {walls.mean(), walls.frame_mean(), state.theta}, 0.0, length);
         const double moved = largest(next.driven - state.driven);
         state = recounted(next);
         if (length == 0 || moved < 0.1) break;
@@ -172,16 +202,14 @@ State Search::settle_walls(State state) const {
 /// Line search on the nonlinear objective, with the determinant of this linearisation (taken as
 /// linear along the step). Gauss-Newton leaves out how the surfaces curve, so in some directions it
 /// goes twice too far, step after step: a parabola through three points finds the right length.
-State Search::search_line(const State& from, const Eigen::VectorXd& driven,
-                          const Eigen::VectorXd& theta, double determinant_change,
+State Search::search_line(const State& from, const Position& to, double determinant_change,
                           double& length) const {
     State best = from;
     double lowest = from.objective;
     length = 0;
     const auto offer = [&](double t) {
         check_cancelled(progress_);
-        State trial = state_at(from.driven + t * (driven - from.driven),
-                               from.theta + t * (theta - from.theta), from.counted);
+        State trial = state_at(from.towards(to, t), from.counted);
         const double value = trial.objective + t * 0.5 * determinant_change;
         if (std::isfinite(value) && value <= lowest) {
             lowest = value;
@@ -204,22 +232,22 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
                                AndersonAcceleration& acceleration, bool& improved) const {
     const Index n = model_.driven_dofs();
     const double determinant_change = best.log_determinant - best.start_log_determinant;
-    Eigen::VectorXd point(n + from.theta.size()), step(point.size());
-    point << from.driven, mm_per_unit_ln * from.theta;
-    step << best.fit.driven - from.driven, mm_per_unit_ln * (best.theta - from.theta);
-    const Eigen::VectorXd proposal = acceleration.next(point, step);
+    const Position to = position_of(best);
+    const Eigen::VectorXd point = from.scaled();
+    const Eigen::VectorXd proposal = acceleration.next(point, to.scaled() - point);
     improved = true;
     if (acceleration.has_history()) {
         const Eigen::VectorXd theta = (proposal.tail(from.theta.size()) / mm_per_unit_ln)
                                           .cwiseMax(bounds_.lower_ln)
                                           .cwiseMin(bounds_.upper_ln);
-        State trial = state_at(proposal.head(n), theta, from.counted);
+        State trial =
+            state_at({proposal.head(n), proposal.segment<6>(n), theta}, from.counted);
         const double allowed = from.objective - 0.5 * determinant_change + acceptable_rise;
         if (std::isfinite(trial.objective) && trial.objective <= allowed) return trial;
         acceleration.reset();
     }
     double length = 0;
-    State next = search_line(from, best.fit.driven, best.theta, determinant_change, length);
+    State next = search_line(from, to, determinant_change, length);
     improved = length > 0;
     return next;
 }
@@ -227,8 +255,7 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
 /// Half the Gauss-Newton step, whatever the objective says: where closest points jump between the
 /// facets of a target, the objective has kinks at which no line search goes down.
 State Search::blind_step(const State& from, const ModulusMinimum& best) const {
-    return state_at(0.5 * (from.driven + best.fit.driven), 0.5 * (from.theta + best.theta),
-                    from.counted);
+    return state_at(from.towards(position_of(best), 0.5), from.counted);
 }
 
 NoiseLevel Search::first_level() const {
@@ -267,7 +294,8 @@ ModulusMinimum Search::best_moduli(State& state, bool is_scanned) {
     const LinearisedProblem problem = linearise(state);
     check_cancelled(progress_);
     if (is_scanned)
-        state = recounted(state_at(state.driven, scan_moduli(problem, bounds_), state.counted));
+        state = recounted(state_at(
+            {state.driven, state.frame, scan_moduli(problem, bounds_)}, state.counted));
     check_cancelled(progress_);
     ModulusMinimum best = minimise_moduli(problem, state.theta, bounds_, hessian_);
     hessian_ = best.hessian;
@@ -279,7 +307,10 @@ ModulusMinimum Search::best_moduli(State& state, bool is_scanned) {
 /// Returns whether the noise changed by more than 2 %.
 bool Search::settle_noise(State& state, ModulusMinimum& best, bool is_scanned) {
     bool changed = false;
-    for (int round = 0; round < noise_rounds; ++round) {
+    // Only sigma_n: it may fall far, and surfaces that are not yet where they belong would all be
+    // outliers, so it goes with the steps.
+    const int most = options_.contour_mm ? 1 : noise_rounds;
+    for (int round = 0; round < most; ++round) {
         const NoiseLevel next = level_for(best.fit);
         if (!is_other(next, noise_.level())) break;
         changed = true;
@@ -298,7 +329,7 @@ bool Search::leaves_valley(State& state) {
     const std::vector<double> values = problem.objectives({state.theta, theta});
     if (!(values[1] < values[0] - deeper)) return false;
     hessian_ = {};
-    state = recounted(state_at(state.driven, theta, state.counted));
+    state = recounted(state_at({state.driven, state.frame, theta}, state.counted));
     return true;
 }
 
@@ -328,7 +359,7 @@ MapEstimate Search::run() {
     }
     noise_.set_level(first_level());
     State state =
-        settle_walls(state_at(Eigen::VectorXd::Zero(model_.driven_dofs()), theta, nullptr));
+        settle_walls(state_at({Eigen::VectorXd::Zero(model_.driven_dofs()), FrameMotion::Zero(), theta}, nullptr));
     noise_.take_terraces(state.seen);
     return iterate(recounted(state), true);
 }
@@ -336,7 +367,7 @@ MapEstimate Search::run() {
 MapEstimate Search::run_from(const MapEstimate& earlier) {
     noise_ = *earlier.noise;
     held_ = earlier.counted;
-    return iterate(state_at(earlier.driven, earlier.theta, held_), false);
+    return iterate(state_at({earlier.driven, earlier.frame, earlier.theta}, held_), false);
 }
 
 MapEstimate Search::run_near(const MapEstimate& earlier) {
@@ -346,7 +377,7 @@ MapEstimate Search::run_near(const MapEstimate& earlier) {
         bounds_.lower_ln = bounds_.lower_ln.cwiseMax((earlier.theta.array() - reach).matrix());
         bounds_.upper_ln = bounds_.upper_ln.cwiseMin((earlier.theta.array() + reach).matrix());
     }
-    return iterate(state_at(earlier.driven, earlier.theta, nullptr), false);
+    return iterate(state_at({earlier.driven, earlier.frame, earlier.theta}, nullptr), false);
 }
 
 MapEstimate Search::iterate(State state, bool is_scanned) {
@@ -410,6 +441,7 @@ MapEstimate Search::iterate(State state, bool is_scanned) {
 MapEstimate Search::finish(const State& state, const Termination& termination) const {
     MapEstimate estimate;
     estimate.driven = state.driven;
+    estimate.frame = state.frame;
     estimate.observed = state.observed;
     estimate.unknown = priors_;
     estimate.theta = state.theta;

@@ -42,6 +42,7 @@ struct MapOptions {
 
 struct MapEstimate {
     Eigen::VectorXd driven;                           ///< [3 num_driven] mm
+    FrameMotion frame = FrameMotion::Zero();          ///< by which the target's alignment is off
     Eigen::VectorXd observed;                         ///< [3 num_observed] mm
     std::vector<ModulusPrior> unknown;                ///< regions that were estimated
     Eigen::VectorXd theta;                            ///< ln E of them

@@ -26,7 +26,8 @@ std::vector<Index> regions_of(const std::vector<ModulusPrior>& priors) {
 struct LinearisedProblem::Response {
     std::vector<double> kpa;                  // by region
     Eigen::LLT<Eigen::MatrixXd> equilibrium;  // of S(E)
-    Eigen::MatrixXd shapes;                   // [X | s] = S^-1 T [P | N m], [modes, rank + 1]
+    // [X | s] = S^-1 T [P | N m], below it the frame's part, [modes + 6, rank + 1]
+    Eigen::MatrixXd shapes;
     Eigen::MatrixXd informed;                 // I [X | s]
     Eigen::LLT<Eigen::MatrixXd> inner;        // of M = 1 + B^T B
     // With all rows whitened by R^-1/2, C^-1 = 1 - B M^-1 B^T, and M has the rank of the free wall
@@ -39,16 +40,21 @@ struct LinearisedProblem::Response {
 LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior& prior,
                                      const std::vector<LinearRow>& rows,
                                      const Eigen::VectorXd& driven, const Eigen::VectorXd& observed,
-                                     const std::vector<ModulusPrior>& priors)
+                                     const std::vector<ModulusPrior>& priors,
+                                     const FramePrior& frame)
     : model_(model),
       prior_(prior),
-      walls_(prior, rows, driven),
+      frame_(frame),
+      walls_(prior, rows, driven, frame),
       priors_(priors),
       unknown_(regions_of(priors)) {
     read_rows(rows, observed);
     mean_ = model.motion_of(walls_.mean());
-    spread_root_ =
-        model.significant_root(walls_.covariance_of(model.spread(), model.prior_covariance()));
+    spread_root_ = spread_of_motions();
+    frame_shapes_.setZero(frame_.size(), rank() + 1);
+    frame_shapes_.block(0, rank() - frame_.size(), frame_.size(), frame_.size()) =
+        -walls_.frame_root();
+    frame_shapes_.col(rank()) = -walls_.frame_mean().head(frame_.size());
     Eigen::MatrixXd motions(mean_.size(), rank() + 1);
     motions.leftCols(rank()) = spread_root_;
     motions.col(rank()) = mean_;
@@ -63,6 +69,16 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
     }
 }
 
+/// [P | -N D L]: the walls' free motion, then what it takes to go with each of the frame's.
+Eigen::MatrixXd LinearisedProblem::spread_of_motions() const {
+    const Eigen::MatrixXd free =
+        model_.significant_root(walls_.covariance_of(model_.spread(), model_.prior_covariance()));
+    if (frame_.size() == 0) return free;
+    Eigen::MatrixXd root(free.rows(), free.cols() + 6);
+    root << free, -(model_.functionals() * (walls_.frame_spread() * walls_.frame_root()));
+    return root;
+}
+
 void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
                                   const Eigen::VectorXd& observed) {
     std::vector<const LinearRow*> seen;
@@ -73,23 +89,28 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
     const LinearisationPoint& point = model_.point();
     const Eigen::VectorXd change =
         point.is_rest() ? observed : Eigen::VectorXd(observed - point.observed);
-    Eigen::MatrixXd seen_modes(num_rows_, model_.num_modes());  // G_o V
+    const Index num_modes = model_.num_modes() + frame_.size();
+    Eigen::MatrixXd seen_modes(num_rows_, num_modes);  // G_o V
     Eigen::VectorXd target(num_rows_);
     Eigen::MatrixXd noise(num_rows_, num_rows_);
     Eigen::VectorXd weights(num_rows_);
     for (Index j = 0; j < num_rows_; ++j) {
         const LinearRow& row = *seen[j];
-        seen_modes.row(j) = row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
-        target[j] = row.normal.dot(change.segment<3>(3 * row.position)) - row.residual_mm;
+        seen_modes.row(j).head(model_.num_modes()) =
+            row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
+        const FrameMotion turned = frame_.frame.row(row.place, row.normal);
+        seen_modes.row(j).tail(frame_.size()) = turned.head(frame_.size());
+        target[j] = row.normal.dot(change.segment<3>(3 * row.position)) +
+                    turned.dot(frame_.motion) - row.residual_mm;
         for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
         noise(j, j) = noise_variance(row);
         weights[j] = row.weight;
     }
     noise_trace_ = weights.dot(noise.diagonal());
     target_squares_ = weights.dot(target.cwiseAbs2());
-    squares_.setZero(model_.num_modes(), model_.num_modes());
-    target_along_modes_.setZero(model_.num_modes());
-    if (num_rows_ > 0 && model_.num_modes() > 0) {
+    squares_.setZero(num_modes, num_modes);
+    target_along_modes_.setZero(num_modes);
+    if (num_rows_ > 0 && num_modes > 0) {
         const Eigen::MatrixXd weighted = weights.cwiseSqrt().asDiagonal() * seen_modes;
         squares_.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
         squares_.triangularView<Eigen::StrictlyUpper>() = squares_.transpose();
@@ -99,10 +120,10 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
     noise_factor.matrixL().solveInPlace(seen_modes);
     noise_factor.matrixL().solveInPlace(target);
     noise_log_determinant_ = 2.0 * noise_factor.matrixLLT().diagonal().array().log().sum();
-    information_.setZero(model_.num_modes(), model_.num_modes());
-    pull_of_target_.setZero(model_.num_modes());
+    information_.setZero(num_modes, num_modes);
+    pull_of_target_.setZero(num_modes);
     target_misfit_ = target.squaredNorm();
-    if (num_rows_ == 0 || model_.num_modes() == 0) return;  // BLAS takes no empty matrices
+    if (num_rows_ == 0 || num_modes == 0) return;  // BLAS takes no empty matrices
     information_.selfadjointView<Eigen::Lower>().rankUpdate(seen_modes.transpose());
     information_.triangularView<Eigen::StrictlyUpper>() = information_.transpose();
     pull_of_target_ = seen_modes.transpose() * target;
@@ -113,12 +134,14 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
     response.kpa = model_.moduli(unknown_, theta);
     response.equilibrium =
         cholesky(model_.stiffness(response.kpa), "stiffness of the observed nodes");
-    response.shapes = Eigen::MatrixXd::Zero(model_.num_modes(), rank() + 1);
+    Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(model_.num_modes(), rank() + 1);
     for (std::size_t r = 0; r < coupling_.size(); ++r) {
         if (coupling_[r].size() == 0) continue;
-        response.shapes += response.kpa[model_.regions()[r].region] * coupling_[r];
+        forces += response.kpa[model_.regions()[r].region] * coupling_[r];
     }
-    response.equilibrium.solveInPlace(response.shapes);
+    response.equilibrium.solveInPlace(forces);
+    response.shapes.resize(forces.rows() + frame_.size(), forces.cols());
+    response.shapes << forces, frame_shapes_;
     response.informed = information_ * response.shapes;
     Eigen::MatrixXd inner(rank(), rank());
     inner.triangularView<Eigen::Lower>() =
@@ -176,10 +199,12 @@ std::vector<double> LinearisedProblem::objectives(
     return values;
 }
 
-// u_d = m + H^-1 N^T J^T alpha, J^T alpha = -T^T S^-1 V^T G_o^T alpha.
+// u_d = m + H^-1 N^T J^T alpha - D L w, J^T alpha = -T^T S^-1 V^T G_o^T alpha, w the motion's part
+// that is the frame's.
 LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) const {
     Fit result;
     result.driven = walls_.mean();
+    result.frame = walls_.frame_mean();
     if (num_observed_rows() == 0) return result;
     const Response response = respond(theta);
     result.weighted_misfit = response.misfit - response.motion.squaredNorm();  // |alpha|^2
@@ -196,8 +221,13 @@ LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) cons
         noise_trace_ -
         response.inner.solve(moved.transpose() * (squares_ * moved)).diagonal().sum();
     const Eigen::VectorXd force =
-        -(model_.coupling(response.kpa).transpose() * response.equilibrium.solve(response.pull));
+        -(model_.coupling(response.kpa).transpose() *
+          response.equilibrium.solve(response.pull.head(model_.num_modes())));
     result.driven += walls_.conditioned(model_.spread() * force);
+    if (frame_.size() == 0) return result;
+    const FrameMotion further = walls_.frame_root() * response.motion.tail<6>();
+    result.frame += further;
+    result.driven -= walls_.frame_spread() * further;
     return result;
 }
 
@@ -206,13 +236,15 @@ LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) cons
 // In the columns [P | N m] of `shapes` and `coupling_`, W is [B M^-1 - alpha w^T | -alpha], and
 // V^T G_o^T B = -I X.
 void LinearisedProblem::add_gradient(const Response& response, Eigen::VectorXd& gradient) const {
-    Eigen::MatrixXd adjoint(model_.num_modes(), rank() + 1);
-    adjoint.leftCols(rank()) =
-        -response.inner.solve(response.informed.leftCols(rank()).transpose()).transpose();
-    adjoint.leftCols(rank()) -= response.pull * response.motion.transpose();
-    adjoint.col(rank()) = -response.pull;
+    const Index modes = model_.num_modes();
+    const auto informed = response.informed.topLeftCorner(modes, rank());
+    const auto pull = response.pull.head(modes);
+    Eigen::MatrixXd adjoint(modes, rank() + 1);
+    adjoint.leftCols(rank()) = -response.inner.solve(informed.transpose()).transpose();
+    adjoint.leftCols(rank()) -= pull * response.motion.transpose();
+    adjoint.col(rank()) = -pull;
     response.equilibrium.solveInPlace(adjoint);
-    const Eigen::MatrixXd moment = adjoint * response.shapes.transpose();
+    const Eigen::MatrixXd moment = adjoint * response.shapes.topRows(modes).transpose();
     for (Index k = 0; k < num_unknown(); ++k) {
         for (std::size_t r = 0; r < coupling_.size(); ++r) {
             const auto& region = model_.regions()[r];
@@ -231,11 +263,20 @@ Eigen::MatrixXd LinearisedProblem::motion_covariance(const Eigen::VectorXd& thet
     for (Index c = 0; c < conditioned.cols(); ++c) {
         conditioned.col(c) = walls_.conditioned(conditioned.col(c));
     }
+    // With the frame: H^-1 + D M^-1 D^T, and -cov(delta, G u_d) = M^-1 D^T G.
+    Eigen::MatrixXd along_frame(frame_.size(), functionals.cols());
+    if (frame_.size() > 0) {
+        const Eigen::MatrixXd shared = walls_.frame_spread().transpose() * functionals;
+        along_frame = walls_.frame_root() * (walls_.frame_root().transpose() * shared);
+        conditioned += walls_.frame_spread() * along_frame;
+    }
     const Eigen::MatrixXd by_walls = functionals.transpose() * conditioned;
     if (num_observed_rows() == 0) return by_walls;
     const Response response = respond(theta);
-    const Eigen::MatrixXd moved = response.equilibrium.solve(model_.coupling(response.kpa) *
-                                                             (model_.functionals() * conditioned));
+    Eigen::MatrixXd moved(model_.num_modes() + frame_.size(), functionals.cols());
+    moved << response.equilibrium.solve(model_.coupling(response.kpa) *
+                                        (model_.functionals() * conditioned)),
+        along_frame;
     const Eigen::MatrixXd seen =
         response.informed.leftCols(rank()).transpose() * moved;  // B^T J ..
     return by_walls - moved.transpose() * (information_ * moved) +
@@ -248,7 +289,7 @@ Eigen::MatrixXd LinearisedProblem::seen_information(const Eigen::VectorXd& theta
     const Response response = respond(theta);
     Eigen::VectorXd motion(rank() + 1);
     motion << response.motion, 1.0;
-    const Eigen::VectorXd shape = response.shapes * motion;
+    const Eigen::VectorXd shape = response.shapes.topRows(model_.num_modes()) * motion;
     Eigen::MatrixXd change = Eigen::MatrixXd::Zero(model_.num_modes(), num_unknown());
     for (Index k = 0; k < num_unknown(); ++k) {
         for (std::size_t r = 0; r < coupling_.size(); ++r) {
@@ -260,8 +301,10 @@ Eigen::MatrixXd LinearisedProblem::seen_information(const Eigen::VectorXd& theta
         }
     }
     response.equilibrium.solveInPlace(change);
-    const Eigen::MatrixXd unseen = response.informed.leftCols(rank()).transpose() * change;
-    return change.transpose() * information_ * change -
+    const Index modes = model_.num_modes();
+    const Eigen::MatrixXd unseen =
+        response.informed.topLeftCorner(modes, rank()).transpose() * change;
+    return change.transpose() * information_.topLeftCorner(modes, modes) * change -
            unseen.transpose() * response.inner.solve(unseen);
 }
 

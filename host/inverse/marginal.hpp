@@ -29,6 +29,7 @@ public:
     };
     struct Fit {
         Eigen::VectorXd driven;          ///< most probable u_d at theta [driven_dofs]
+        FrameMotion frame = FrameMotion::Zero();  ///< and motion of the target's frame
         double weighted_misfit = 0;      ///< r^T R^-1 r of the observed residual r = R C^-1 e there
         double effective_rows = 0;       ///< trace of R C^-1: rows that the fit does not use up
         double misfit_mm2 = 0;           ///< r^T D r, D the weights of the rows
@@ -58,13 +59,18 @@ public:
 /// J N (m - u_d*) - G_o V S^-1 g). The determinant is what a joint minimum over (u_d, theta) lacks:
 /// without it soft tissue, which can follow any noise, is always preferred and the modulus comes
 /// out too low.
+///
+/// A motion delta of the target's frame is integrated out with the walls' (WallPosterior): the rows
+/// are y = J N u_d + A delta + noise, and delta a wall motion that moves what is seen rigidly. It is
+/// kept as six further modes behind those of the response model, which no modulus changes.
 class LinearisedProblem : public ModulusObjective {
 public:
     /// `driven` [driven_dofs] and `observed` [observed_dofs]: the displacement at which `rows` are
     /// linearised. `model` and `prior` must outlive this object.
     LinearisedProblem(const ResponseModel& model, const WallPrior& prior,
                       const std::vector<LinearRow>& rows, const Eigen::VectorXd& driven,
-                      const Eigen::VectorXd& observed, const std::vector<ModulusPrior>& priors);
+                      const Eigen::VectorXd& observed, const std::vector<ModulusPrior>& priors,
+                      const FramePrior& frame = {});
 
     /// F is infinite where the mechanics are not stable: mechanics linearised at a deformed state
     /// are near it.
@@ -86,7 +92,8 @@ public:
     /// the other part rests on the spread of motions that nobody saw, that is on their prior.
     Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const;
 
-    /// Of the free wall motion: how many combinations of functionals the walls leave open.
+    /// Of the free wall motion: how many combinations of functionals the walls leave open, and the
+    /// six motions of a frame that is unknown.
     Index rank() const { return static_cast<Index>(spread_root_.cols()); }
     Index num_observed_rows() const { return num_rows_; }
     double noise_log_determinant() const { return noise_log_determinant_; }  ///< ln det R
@@ -95,18 +102,21 @@ public:
 private:
     struct Response;
     void read_rows(const std::vector<LinearRow>& rows, const Eigen::VectorXd& observed);
+    Eigen::MatrixXd spread_of_motions() const;
     bool is_stable(const Eigen::VectorXd& theta) const;
     Response respond(const Eigen::VectorXd& theta) const;
     void add_gradient(const Response& response, Eigen::VectorXd& gradient) const;
 
     const ResponseModel& model_;
     const WallPrior& prior_;
+    FramePrior frame_;
     WallPosterior walls_;
     std::vector<ModulusPrior> priors_;
     std::vector<Index> unknown_;  ///< regions of `priors_`
     // Of the observed rows only products are kept, weighted by R^-1: no evaluation touches the
     // rows.
     Index num_rows_ = 0;
+    // V has the modes of the model and then, if the frame is unknown, its six motions.
     Eigen::MatrixXd information_;       ///< V^T G_o^T R^-1 G_o V [modes, modes]
     Eigen::VectorXd pull_of_target_;    ///< V^T G_o^T R^-1 y [modes]
     double target_misfit_ = 0;          ///< y^T R^-1 y
@@ -117,7 +127,10 @@ private:
     double target_squares_ = 0;           ///< y^T D y
     double noise_trace_ = 0;              ///< tr D R
     Eigen::VectorXd mean_;                ///< N m, or N (m - u_d*)
-    Eigen::MatrixXd spread_root_;         ///< P [functionals, rank], P P^T = N H^-1 N^T
+    Eigen::MatrixXd spread_root_;  ///< P [functionals, rank], P P^T = N H^-1 N^T
+    /// What of the frame's motion belongs to the columns of [P | N m], [6 or 0, rank + 1]: -L, and
+    /// minus its mean (modes count backwards: J c = -G_o V x).
+    Eigen::MatrixXd frame_shapes_;
     std::vector<Eigen::MatrixXd>
         coupling_;  ///< [T_r P | T_r N m + g_r] per region; empty without driven nodes and g
 };

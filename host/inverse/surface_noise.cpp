@@ -20,6 +20,11 @@ constexpr int outlier_passes = 3;
 
 double beyond_limit(double z) { return std::max(1.0, std::abs(z) / robust_limit); }
 
+double huber_loss(double z) {
+    const double size = std::abs(z);
+    return size <= robust_limit ? 0.5 * z * z : robust_limit * (size - 0.5 * robust_limit);
+}
+
 /// The part of R that rows share.
 Eigen::MatrixXd correlated_part(const std::vector<LinearRow>& rows) {
     const Index n = static_cast<Index>(rows.size());
@@ -38,10 +43,19 @@ double CountedRows::misfit(const Eigen::VectorXd& residual_mm) const {
     double sum = 0;
     for (const Group& group : groups_) {
         Eigen::VectorXd whitened = residual_mm(group.observations);
+        if (group.alone_mm.size() > 0) {
+            for (const double z : whitened.cwiseQuotient(group.alone_mm)) sum += huber_loss(z);
+            continue;
+        }
         group.covariance.matrixL().solveInPlace(whitened);
         sum += 0.5 * whitened.squaredNorm();
     }
     return sum;
+}
+
+double CountedRows::energy(const FrameMotion& motion) const {
+    if (frame_.size() == 0) return 0;
+    return 0.5 * motion.dot(frame_.covariance.ldlt().solve(motion));
 }
 
 std::vector<LinearRow> CountedRows::linear_rows(const ObservedState& seen) const {
@@ -67,6 +81,52 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
         rows_.push_back(row);
     }
     set_level({});
+    read_frame(observations.frame_evidence());
+}
+
+void SurfaceNoise::read_frame(const FrameEvidence& evidence) {
+    by_points_ = by_terraces_ = by_contours_ = FramePrior::Covariance::Zero();
+    std::vector<LinearRow> rows;
+    std::vector<FrameMotion> turned;
+    FramePrior::Covariance normal = FramePrior::Covariance::Zero();
+    for (std::size_t k = 0; k < evidence.points.size(); ++k) {
+        const AlignedPoint& point = evidence.points[k];
+        rows.push_back({});
+        rows[k].surface = point.surface;
+        rows[k].place = point.place;
+        rows[k].terraces = evidence.terraces[k];
+        rows[k].range_mm = observations_->voxel_terraces().range_mm();
+        turned.push_back(evidence.frame.row(point.place, point.normal));
+        normal += turned[k] * turned[k].transpose();
+    }
+    const Eigen::LLT<FramePrior::Covariance> factor(normal);
+    if (rows.empty() || factor.info() != Eigen::Success) return;
+    // sum_k a_k sum_l R_kl a_l^T of each part
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        FrameMotion terraces = rows[k].terraces.variance() * turned[k];
+        FrameMotion contours = turned[k];
+        for (std::size_t l = 0; l < rows.size(); ++l) {
+            if (l == k || rows[l].surface != rows[k].surface) continue;
+            terraces += noise_covariance(rows[k], rows[l]) * turned[l];
+            contours += contour_correlation((rows[k].place - rows[l].place).norm()) * turned[l];
+        }
+        by_terraces_ += turned[k] * terraces.transpose();
+        by_contours_ += turned[k] * contours.transpose();
+    }
+    by_points_ = std::pow(evidence.independent_mm, 2) * normal;
+    for (FramePrior::Covariance* part : {&by_points_, &by_terraces_, &by_contours_}) {
+        const FramePrior::Covariance half = factor.solve(*part);
+        *part = factor.solve(half.transpose());
+        *part = (0.5 * (*part + part->transpose())).eval();
+    }
+}
+
+FramePrior SurfaceNoise::frame() const {
+    FramePrior prior;
+    prior.frame = observations_->frame_evidence().frame;
+    prior.covariance = level_.scale * level_.scale * by_points_ + by_terraces_ +
+                       level_.contour_mm * level_.contour_mm * by_contours_;
+    return prior;
 }
 
 void SurfaceNoise::set_level(const NoiseLevel& level) {
@@ -105,6 +165,7 @@ std::shared_ptr<const CountedRows> SurfaceNoise::count(const ObservedState& stat
         group.rows.push_back(rows_[k]);
     }
     auto counted = std::make_shared<CountedRows>();
+    counted->frame_ = frame();
     for (auto& [surface, group] : by_surface) counted->groups_.push_back(std::move(group));
     const SerialBlas serial;
     parallel_ranges(static_cast<Index>(counted->groups_.size()), 1, [&](Index begin, Index end) {
@@ -124,6 +185,7 @@ CountedRows::Group SurfaceNoise::inflated(CountedRows::Group group,
     Eigen::VectorXd alone(n), extra = Eigen::VectorXd::Zero(n);
     for (Index k = 0; k < n; ++k) alone[k] = std::pow(group.rows[k].independent_mm, 2);
     const Eigen::VectorXd before = alone + shared.diagonal();
+    if (shared.isZero(0)) group.alone_mm = alone.cwiseSqrt();
     const auto factorise = [&] {
         Eigen::MatrixXd covariance = shared;
         covariance.diagonal() += alone + extra;

@@ -23,8 +23,13 @@ struct NoiseLevel {
 /// by moving surfaces to where the target does not show them, or by making outliers.
 class CountedRows {
 public:
-    /// 1/2 r^T R^-1 r of the rows that count; `residual_mm` [num observations].
+    /// 1/2 r^T R^-1 r of the rows that count; `residual_mm` [num observations]. Rows that share
+    /// nothing with others are measured by Huber's loss itself.
     double misfit(const Eigen::VectorXd& residual_mm) const;
+    /// What is known of the target's frame; its motion is zero.
+    const FramePrior& frame() const { return frame_; }
+    /// 1/2 delta^T Sigma^-1 delta
+    double energy(const FrameMotion& motion) const;
     /// The rows that count, linearised at `seen`.
     std::vector<LinearRow> linear_rows(const ObservedState& seen) const;
 
@@ -36,8 +41,10 @@ private:
         std::vector<Index> observations;
         std::vector<LinearRow> rows;  ///< without normals and residuals
         Eigen::LLT<Eigen::MatrixXd> covariance;
+        Eigen::VectorXd alone_mm;  ///< deviations before outliers, where rows share nothing
     };
     std::vector<Group> groups_;
+    FramePrior frame_;
 };
 
 /// The noise of all observations: independent and correlated parts, and what becomes of outliers.
@@ -64,12 +71,19 @@ public:
     ///     z = c_k / sqrt(S_kk) is beyond 3 the correlated part is multiplied by sqrt(|z| / 3).
     std::shared_ptr<const CountedRows> count(const ObservedState& state) const;
 
+    /// Covariance of the alignment, which was the least squares of distances with normals n_k at
+    /// points x_k: N^-1 (sum_kl a_k R_kl a_l^T) N^-1, N = sum_k a_k a_k^T, a the rows of the frame.
+    FramePrior frame() const;
+
 private:
+    void read_frame(const FrameEvidence& evidence);
     CountedRows::Group inflated(CountedRows::Group group, const Eigen::VectorXd& residual) const;
 
     const SurfaceObservations* observations_;
     NoiseLevel level_;
     std::vector<LinearRow> rows_;  ///< without normals and residuals
+    /// Parts of the frame's covariance: of unit independent noise, of terraces, of unit contours.
+    FramePrior::Covariance by_points_, by_terraces_, by_contours_;
 };
 
 }  // namespace palpate

@@ -23,7 +23,7 @@ Eigen::MatrixXd seen_along_normals(const std::vector<LinearRow>& rows, const Eig
 }  // namespace
 
 WallPosterior::WallPosterior(const WallPrior& prior, const std::vector<LinearRow>& rows,
-                             const Eigen::VectorXd& driven)
+                             const Eigen::VectorXd& driven, const FramePrior& frame)
     : prior_(prior), mean_(Eigen::VectorXd::Zero(driven.size())) {
     std::vector<Index> wall_of(prior.num_driven(), -1), place(prior.num_driven(), -1);
     for (std::size_t w = 0; w < prior.walls().size(); ++w) {
@@ -32,7 +32,7 @@ WallPosterior::WallPosterior(const WallPrior& prior, const std::vector<LinearRow
             wall_of[wall.nodes[k]] = static_cast<Index>(w);
             place[wall.nodes[k]] = static_cast<Index>(k);
         }
-        parts_.push_back({&wall, {}, {}, {}});
+        parts_.push_back({&wall, {}, {}, {}, {}});
     }
     for (const LinearRow& row : rows) {
         if (!row.on_driven) continue;
@@ -42,16 +42,43 @@ WallPosterior::WallPosterior(const WallPrior& prior, const std::vector<LinearRow
     }
     const SerialBlas serial;
     parallel_ranges(static_cast<Index>(parts_.size()), 1, [&](Index begin, Index end) {
-        for (Index p = begin; p < end; ++p) condition(parts_[p], driven);
+        for (Index p = begin; p < end; ++p) condition(parts_[p], driven, frame);
     });
+    frame_root_.resize(frame.size(), frame.size());
+    frame_spread_.setZero(driven.size(), frame.size());
+    if (frame.size() > 0) find_frame(frame);
 }
 
-/// Factorises R + G S G^T of one wall and writes its nodes' part of the mean.
-void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven) {
+void WallPosterior::find_frame(const FramePrior& frame) {
+    FramePrior::Covariance precision = frame.covariance.inverse();
+    FrameMotion pull = FrameMotion::Zero();
+    for (const Rows& part : parts_) {
+        Eigen::MatrixXd turned(part.rows.size(), 6);  // A
+        for (std::size_t i = 0; i < part.rows.size(); ++i)
+            turned.row(i) = frame.frame.row(part.rows[i].place, part.rows[i].normal);
+        if (part.rows.empty()) continue;
+        const Eigen::MatrixXd weights = part.gram.solve(turned);
+        precision += turned.transpose() * weights;
+        pull += weights.transpose() * part.wanted;
+        for (int c = 0; c < 6; ++c) {
+            Eigen::VectorXd column = frame_spread_.col(c);
+            add_spread_back(part, weights.col(c), 1.0, column);
+            frame_spread_.col(c) = column;
+        }
+    }
+    const Eigen::LLT<FramePrior::Covariance> factor(precision);  // M = U^T U, L = U^-1
+    frame_mean_ = factor.solve(pull);
+    frame_root_ = factor.matrixU().solve(Eigen::MatrixXd::Identity(6, 6));
+    mean_ -= frame_spread_ * frame_mean_;
+}
+
+/// Factorises K of one wall and writes its nodes' part of S G^T K^-1 y.
+void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven, const FramePrior& frame) {
     const Index n = static_cast<Index>(part.rows.size());
     if (n == 0) return;
     Eigen::MatrixXd gram(n, n);
-    Eigen::VectorXd wanted(n);
+    Eigen::VectorXd& wanted = part.wanted;
+    wanted.resize(n);
     for (Index j = 0; j < n; ++j) {
         const LinearRow& row = part.rows[j];
         for (Index i = j; i < n; ++i) {
@@ -59,7 +86,8 @@ void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven) {
                              part.rows[i].normal.dot(row.normal) +
                          (i == j ? noise_variance(row) : noise_covariance(part.rows[i], row));
         }
-        wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) - row.residual_mm;
+        wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
+                    frame.frame.row(row.place, row.normal).dot(frame.motion) - row.residual_mm;
     }
     part.gram = cholesky(gram, "covariance of the driven walls");
     add_spread_back(part, part.gram.solve(wanted), 1.0, mean_);

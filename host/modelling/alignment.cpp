@@ -112,6 +112,14 @@ AlignmentResult align_surfaces(const std::vector<std::vector<Vec3>>& points,
         result.reference_to_target = moved_by(result.reference_to_target, step, pivot);
         if (step.tail<3>().norm() < 1e-5 && step.head<3>().norm() < 1e-7) break;
     }
+    for (std::size_t s = 0; s < target_maps.size(); ++s) {
+        for (const Vec3& point : points[s]) {
+            Vec3 gradient;
+            target_maps[s].value(result.reference_to_target.apply(point), gradient);
+            const Vec3 normal = result.reference_to_target.rotation.transpose() * gradient;
+            result.points.push_back({point, normal.normalized(), static_cast<Index>(s)});
+        }
+    }
     result.mean_distance_mm = mean_distance(points, target_maps, result.reference_to_target);
     if (!(result.mean_distance_mm < far_apart_mm)) {
         throw Error(

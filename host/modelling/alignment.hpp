@@ -16,10 +16,20 @@ enum class AlignMethod { automatic, fixed, centroid, none, transform };
 /// Of "auto", "fixed", "centroid", "none". Throws Error(invalid_argument) naming them.
 AlignMethod align_method_of(const std::string& name);
 
+/// A surface point that the target was aligned by.
+struct AlignedPoint {
+    Vec3 place = Vec3::Zero();  ///< in the reference, LPS mm
+    Vec3 normal = Vec3::Zero();
+    Index surface = 0;  ///< points of different surfaces have independent noise
+};
+
 struct AlignmentResult {
     std::string method;  ///< "fixed", "centroid", "none", "transform"
     RigidTransform reference_to_target;
     double mean_distance_mm = 0;  ///< of the fixed surfaces after it, if any
+    std::vector<AlignedPoint> points = {};  ///< of those surfaces, with the target's normals
+    /// By which the search moved it, within what these points leave open.
+    double moved_mm = 0, turned_deg = 0;
 };
 
 /// Centroids of the organs that are not fixed: takes the reference centroid to the target's.

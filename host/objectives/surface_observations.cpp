@@ -60,17 +60,26 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             rows_.push_back(row);
         }
     }
+    frame_.points = options.aligned;
+    frame_.independent_mm = options.noise_mm;
+    for (const AlignedPoint& point : frame_.points) {
+        frame_.frame.centre += point.place / double(frame_.points.size());
+        frame_.terraces.push_back(
+            terraces_.of_distance(point.place, point.normal, point.place, point.normal));
+    }
 }
 
 ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
-                                            const Eigen::VectorXd& observed) const {
+                                            const Eigen::VectorXd& observed,
+                                            const FrameMotion& frame) const {
     ObservedState state;
     state.residual_mm.resize(num_rows());
     state.normal.resize(num_rows(), 3);
     state.place.resize(num_rows(), 3);
     for (Index k = 0; k < num_rows(); ++k) {
         const auto& row = rows_[k];
-        const Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
+        Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
+        u += frame_.frame.displacement(frame, row.place);
         state.place.row(k) = row.place + u;
         const ShapeDistance target =
             shapes_.target[row.surface]->measure(row.place + u, facing_[k]);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/modelling/build_model.hpp"
+#include "host/objectives/target_frame.hpp"
 #include "host/objectives/voxel_terraces.hpp"
 #include "host/surfaces/target_shape.hpp"
 
@@ -29,6 +30,8 @@ struct ObservationOptions {
     std::vector<VoxelPlanes> voxels;
     /// The correlation along terraces falls to 1/e at this distance, in spacings of their planes.
     double terrace_range_spacings = 4.0;
+    /// What the target was aligned by; empty: its frame is taken to be exact.
+    std::vector<AlignedPoint> aligned;
 };
 
 /// The data term of one surface node: r = d_target(x + u) - d_reference(x), the distance to the
@@ -50,7 +53,7 @@ struct ObservedState {
     Eigen::VectorXd residual_mm;
     Eigen::Matrix<double, Eigen::Dynamic, 3>
         normal;                                      ///< gradient of the residual with respect to u
-    Eigen::Matrix<double, Eigen::Dynamic, 3> place;  ///< x + u, mm
+    Eigen::Matrix<double, Eigen::Dynamic, 3> place;  ///< where x + u is seen, mm
     std::vector<std::uint8_t> seen;  ///< [num_observations] 0: the target says nothing there
 };
 
@@ -68,12 +71,17 @@ public:
     std::vector<Terraces> terraces(const ObservedState& state) const;
     const VoxelTerraces& voxel_terraces() const { return terraces_; }
 
-    /// `driven` [3 num_driven] and `observed` [3 num_observed]: displacement in mm.
-    ObservedState evaluate(const Eigen::VectorXd& driven, const Eigen::VectorXd& observed) const;
+    const FrameEvidence& frame_evidence() const { return frame_; }
+
+    /// `driven` [3 num_driven] and `observed` [3 num_observed]: displacement in mm. `frame`: where
+    /// they are seen in a target whose alignment is that far off.
+    ObservedState evaluate(const Eigen::VectorXd& driven, const Eigen::VectorXd& observed,
+                           const FrameMotion& frame = FrameMotion::Zero()) const;
 
 private:
     std::vector<Observation> rows_;
     VoxelTerraces terraces_;
+    FrameEvidence frame_;
     std::vector<double> own_offset_;  ///< d_reference(x) of each row
     ObservedShapes shapes_;
     std::vector<Vec3> facing_;  ///< outward normal of each row's surface at rest

@@ -70,7 +70,7 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"frame", "LPS, mm"},
         {"spacing_mm", to_json(options.spacing)},
         {"contours", to_text(options.contours)},
-        {"load", name_of(options.load)},
+        {"load_family", name_of(options.load)},
         {"material", name_of(options.law)},
         {"regions", regions_to_json(phantom, options)},
         {"mesh",

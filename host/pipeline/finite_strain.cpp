@@ -221,10 +221,13 @@ void Rounds::judge() {
     parts.point.observed =
         estimate.observed - rest_.response.observed_displacement(kpa, estimate.driven);
     const ResponseModel shifted(std::move(parts));
+    FramePrior frame = estimate.counted->frame();
+    frame.motion = estimate.frame;
     const LinearisedProblem problem(
         shifted, rest_.walls,
-        estimate.counted->linear_rows(observations_.evaluate(estimate.driven, estimate.observed)),
-        estimate.driven, estimate.observed, rest_.priors);
+        estimate.counted->linear_rows(
+            observations_.evaluate(estimate.driven, estimate.observed, estimate.frame)),
+        estimate.driven, estimate.observed, rest_.priors, frame);
     MapEstimate far = estimate;
     take_uncertainty(problem, options_.search, far, progress_);
     estimate.excluded_ends = far.excluded_ends;

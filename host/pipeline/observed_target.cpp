@@ -50,6 +50,7 @@ ObservationOptions observation_options(const Settings& settings, const LabelledS
     options.noise_mm = settings.prior.noise_voxels * voxel;
     options.independent_area_mm2 = 2.0 * voxel * voxel;
     options.voxels = {voxel_planes(reference, {})};
+    options.aligned = target.alignment.points;
     if (target.labels) {
         options.voxels.push_back(
             voxel_planes(*target.labels, target.alignment.reference_to_target.inverse()));

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <numbers>
 #include <future>
 #include <utility>
 
@@ -83,6 +84,19 @@ MapEstimate nested_estimate(const RecoveryModel& recovery, const SurfaceObservat
     return estimate;
 }
 
+/// The alignment and the target's shapes as the search moved them: what is at x in the reference
+/// frame was seen at `motion`(x).
+void move_frame(const RigidTransform& motion, Recovered& found) {
+    RigidTransform& transform = found.alignment.reference_to_target;
+    found.alignment.moved_mm = found.estimate.frame.tail<3>().norm();
+    found.alignment.turned_deg =
+        found.estimate.frame.head<3>().norm() / TargetFrame::radius_mm * 180 / std::numbers::pi;
+    transform = {transform.rotation * motion.rotation, transform.apply(motion.translation)};
+    for (auto& shape : found.target)
+        shape = std::make_shared<DistanceMap>(
+            dynamic_cast<const DistanceMap&>(*shape).moved(motion.inverse()));
+}
+
 FiniteStrainOptions finite_strain_options(const RecoverOptions& options) {
     FiniteStrainOptions finite;
     finite.response = options.mechanics.response;
@@ -150,6 +164,8 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
         with_contours.search.contour_mm = *sd_mm * contour_images(target);
     search_model(found, mechanics, *prepared.full_solver, observations, with_contours, timer,
                  progress);
+    if (!found.estimate.frame.isZero(0))
+        move_frame(observations.frame_evidence().frame.transform(found.estimate.frame), found);
     return found;
 }
 

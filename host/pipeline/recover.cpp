@@ -23,11 +23,12 @@ void add_warnings(const char* which, const LabelledState& state, RecoveryResult&
         result.warnings.push_back(fmt::format("{}: {}", which, warning));
 }
 
-RecoveryResult recover_target(const PreparedReference& prepared, const TargetState& target,
+RecoveryResult recover_target(const PreparedReference& prepared, TargetState& target,
                               std::future<TargetShapes> shapes, const RecoverOptions& options,
                               StageTimer timer, const ProgressSink& progress) {
     const Recovered found =
         search_target(prepared, target, std::move(shapes), options, timer, progress);
+    target.alignment = found.alignment;
     timer.start("volumes");
     report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
     const LabelledState& reference = prepared.reference.state;
@@ -122,7 +123,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
     const ProgressSink& progress = tell.progress;
     ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
     timer.start("aligning");
-    const std::vector<TargetState> aligned = align(state);
+    std::vector<TargetState> aligned = align(state);
     std::future<TargetShapes> next = start_target_shapes(aligned.front(), options.settings);
     const PreparedReference prepared =
         finish_reference(std::move(state), std::move(saved), options, timer, progress);

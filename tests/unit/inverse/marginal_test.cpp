@@ -187,6 +187,75 @@ TEST(Contours, OfDifferentSurfacesAreDrawnIndependently) {
     EXPECT_NEAR(noise_variance(b), 1 + 0.49, 1e-12);
 }
 
+/// The target's alignment as an unknown: the density of the observed rows given the walls', most
+/// probable motions and their covariance, all from one dense Gaussian of all rows.
+TEST(Marginal, IntegratesTheAlignmentOut) {
+    Fixture f;
+    FramePrior frame;
+    frame.frame.centre = Vec3(1, -2, 3);
+    const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(6, 6, [&] { return f.normal(f.random); });
+    frame.covariance = 0.1 * root * root.transpose() + 0.05 * Eigen::MatrixXd::Identity(6, 6);
+    frame.motion << 0.3, -0.2, 0.1, 0.2, -0.4, 0.1;
+    for (LinearRow& row : f.rows) row.place = 20 * Vec3(f.noise(3));
+    const Eigen::Vector2d theta(4.0, 3.2);
+    std::vector<double> kpa = f.model.stiffness_kpa();
+    kpa[2] = std::exp(theta[0]);
+    kpa[3] = std::exp(theta[1]);
+    Eigen::MatrixXd coupling(15, 12);
+    for (Index c = 0; c < 12; ++c)
+        coupling.col(c) = f.model.coupling_times(kpa, Eigen::VectorXd::Unit(12, c));
+    const Eigen::MatrixXd moves = -f.model.stiffness(kpa).inverse() * coupling;
+    // Rows of (u_d, delta), the walls' first.
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(9, 18);
+    Eigen::VectorXd y(9);
+    Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(9, 9);
+    for (int k = 0; k < 9; ++k) {
+        const LinearRow& row = f.rows[k];
+        if (row.on_driven)
+            rows.block<1, 3>(k, 3 * row.position) = row.normal.transpose();
+        else
+            rows.row(k).head(12) = row.normal.transpose() * moves.middleRows<3>(3 * row.position);
+        rows.row(k).tail(6) = frame.frame.row(row.place, row.normal).transpose();
+        const Eigen::VectorXd& at = row.on_driven ? f.driven : f.observed;
+        y[k] = row.normal.dot(at.segment<3>(3 * row.position)) +
+               rows.row(k).tail(6).dot(frame.motion) - row.residual_mm;
+        noise(k, k) = noise_variance(row);
+    }
+    Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(18, 18);
+    prior.topLeftCorner(12, 12) = 5 * Eigen::MatrixXd::Identity(12, 12);  // 1 / 0.2
+    prior.bottomRightCorner(6, 6) = frame.covariance;
+    const Eigen::MatrixXd all = rows * prior * rows.transpose() + noise;
+    const Eigen::MatrixXd of_walls = all.topLeftCorner(4, 4);
+    double expected = 0.5 * y.dot(all.inverse() * y) + 0.5 * std::log(all.determinant()) -
+                      0.5 * y.head(4).dot(of_walls.inverse() * y.head(4)) -
+                      0.5 * std::log(of_walls.determinant());
+    for (int k = 0; k < 2; ++k) expected += 0.5 * std::pow((theta[k] - std::log(60.0)) / 1.2, 2);
+    const Eigen::MatrixXd gain = prior * rows.transpose() * all.inverse();
+    const Eigen::VectorXd best = gain * y;
+    const Eigen::MatrixXd left = prior - gain * rows * prior;
+
+    const LinearisedProblem problem(f.response, f.walls, f.rows, f.driven, f.observed, f.priors,
+                                    frame);
+    const auto fit = problem.fit(theta);
+
+    EXPECT_NEAR(problem.evaluate(theta, false).objective, expected, 1e-9 * std::abs(expected));
+    EXPECT_LT((fit.driven - best.head(12)).norm(), 1e-9 * best.norm());
+    EXPECT_LT((fit.frame - best.tail(6)).norm(), 1e-9 * best.norm());
+    const Eigen::MatrixXd functionals = Eigen::MatrixXd::Identity(12, 12).leftCols(5);
+    EXPECT_LT((problem.motion_covariance(theta, functionals) - left.topLeftCorner(5, 5)).norm(),
+              1e-9 * left.norm());
+    const auto gradient = problem.evaluate(theta, true).gradient;
+    for (Index k = 0; k < 2; ++k) {
+        const Eigen::VectorXd step = 1e-5 * Eigen::VectorXd::Unit(2, k);
+        const double difference = (problem.evaluate(theta + step, false).objective -
+                                   problem.evaluate(theta - step, false).objective) /
+                                  2e-5;
+        EXPECT_NEAR(gradient[k], difference, 1e-6 * std::max(1.0, std::abs(difference)));
+    }
+    const Eigen::MatrixXd information = problem.seen_information(theta);
+    EXPECT_GT(information(0, 0), 0);
+}
+
 TEST(Marginal, GradientMatchesCentralDifferences) {
     Fixture f;
     const auto problem = f.problem();
