@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host/imaging/cubic_bspline.hpp"
+#include "host/imaging/gaussian_smoothing.hpp"
 #include "host/imaging/parallel.hpp"
 #include "host/surfaces/closest_point.hpp"
 #include "host/surfaces/nearest_triangles.hpp"
@@ -172,6 +173,8 @@ DistanceMap::DistanceMap(const LabelField& field, Index region, double margin_mm
     }
     replace_by_distance(surface, level, grid_, coefficients_);
     to_bspline_coefficients(grid_.size, coefficients_);
+    smooth_ = coefficients_;
+    smooth_gaussian(grid_.size, normal_smoothing_mm / grid_.spacing[0], smooth_);
 }
 
 double DistanceMap::value(const Vec3& point) const {
@@ -184,11 +187,16 @@ double DistanceMap::value(const Vec3& point) const {
 }
 
 double DistanceMap::value(const Vec3& point, Vec3& gradient) const {
+    return value_of(coefficients_, point, gradient);
+}
+
+double DistanceMap::value_of(const std::vector<float>& coefficients, const Vec3& point,
+                             Vec3& gradient) const {
     const Vec3 index = grid_.to_index(point);
     const Vec3 clamped = clamped_to_support(grid_.size, index);
     const Vec3 beyond = index - clamped;
     Vec3 slope;
-    double value = bspline_value(grid_.size, coefficients_.data(), clamped, &slope);
+    double value = bspline_value(grid_.size, coefficients.data(), clamped, &slope);
     if (index != clamped) {
         // The slope that continues the map outward changes along the border.
         value += slope.dot(beyond);
@@ -197,8 +205,8 @@ double DistanceMap::value(const Vec3& point, Vec3& gradient) const {
                 if (beyond[free] != 0 || beyond[held] == 0) continue;
                 std::array<int, 3> orders{0, 0, 0};
                 orders[free] = orders[held] = 1;
-                slope[free] += beyond[held] * bspline_derivative(grid_.size, coefficients_.data(),
-                                                                 clamped, orders);
+                slope[free] += beyond[held] *
+                               bspline_derivative(grid_.size, coefficients.data(), clamped, orders);
             }
         }
     }
@@ -209,6 +217,8 @@ double DistanceMap::value(const Vec3& point, Vec3& gradient) const {
 ShapeDistance DistanceMap::measure(const Vec3& point, const Vec3&) const {
     ShapeDistance result;
     result.mm = value(point, result.normal);
+    value_of(smooth_, point, result.smooth_normal);
+    result.smooth_normal.normalize();
     return result;
 }
 

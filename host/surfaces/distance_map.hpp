@@ -34,8 +34,11 @@ public:
     const ImageGrid& grid() const { return grid_; }
 
 private:
+    double value_of(const std::vector<float>& coefficients, const Vec3& point,
+                    Vec3& gradient) const;
+
     ImageGrid grid_;
-    std::vector<float> coefficients_;
+    std::vector<float> coefficients_, smooth_;  ///< smooth: for normals
 };
 
 }  // namespace palpate

@@ -208,7 +208,7 @@ ShapeDistance PointShape::measure(const Vec3& point, const Vec3& facing) const {
     for (const Index k : plane.points) beside = std::min(beside, (points_[k] - foot).norm());
     const bool is_over =
         beside < reach * spacing_mm_ && (foot - plane.centre).norm() < plane.spread_mm;
-    return {distance, plane.normal, is_over && face_alike(plane.normal, facing)};
+    return {distance, plane.normal, is_over && face_alike(plane.normal, facing), plane.normal};
 }
 
 }  // namespace palpate

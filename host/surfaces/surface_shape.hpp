@@ -33,7 +33,7 @@ private:
 
     Surface surface_;
     ClosestPointQuery query_;
-    std::vector<Vec3> vertex_normals_;
+    std::vector<Vec3> vertex_normals_, smooth_normals_;
     std::vector<std::array<bool, 3>> is_rim_;  ///< [num_triangles] the edge opposite each corner
 };
 

@@ -11,7 +11,13 @@ struct ShapeDistance {
     double mm = 0;               ///< along the shape's normal, negative inside
     Vec3 normal = Vec3::Zero();  ///< gradient of `mm`
     bool is_seen = true;         ///< false: the shape says nothing about this point
+    /// Unit normal of the shape without what is shorter than `normal_smoothing_mm`.
+    Vec3 smooth_normal = Vec3::Zero();
 };
+
+/// Standard deviation of the Gaussian over which normals are smoothed. Contours are off by waves of
+/// 5 to 10 mm; a wall that slides along the slopes of those would follow noise.
+constexpr double normal_smoothing_mm = 3.0;
 
 /// What the surface of an organ is measured against: the zero level of a distance map, a triangle
 /// surface, open or closed, or a cloud of points. Const calls are thread safe.

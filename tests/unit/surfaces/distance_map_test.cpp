@@ -209,6 +209,18 @@ TEST(DistanceMap, RefusesARegionThatIsAbsentOrFillsTheImage) {
     EXPECT_THROW(DistanceMap(LabelField({grid, std::vector<std::uint8_t>(125, 1)}, 2), 1), Error);
 }
 
+TEST(DistanceMap, SmoothNormalsLeaveOutTheVoxelsAndKeepTheShape) {
+    const DistanceMap map(sphere_field(15, 45, 2), 2);
+    double rough = 0, smooth = 0;
+    for (const Vec3& ray : unit_vectors(200)) {
+        const ShapeDistance seen = map.measure(centre + 15 * ray, Vec3::Zero());
+        rough += (seen.normal - ray).squaredNorm();
+        smooth += (seen.smooth_normal - ray).squaredNorm();
+    }
+    EXPECT_LT(smooth, 0.5 * rough);
+    EXPECT_LT(std::sqrt(smooth / 200), 0.03);
+}
+
 TEST(DistanceMap, TakesAboutASecondForAnOrganOfFiveCentimetres) {
     const LabelField field = sphere_field(25, 100, 1);
     const auto start = std::chrono::steady_clock::now();

@@ -66,6 +66,25 @@ TEST(SurfaceShape, MeasuresAlongTheNormalAndEndsAtItsRim) {
     EXPECT_FALSE(shape.measure(on_sphere(75, 1.0), Vec3::Zero()).is_seen);
 }
 
+TEST(SurfaceShape, SmoothNormalsLeaveOutWhatIsShort) {
+    Surface bumpy = cap(60, 60, 180);  // waves of 4 mm along the surface, 0.3 mm high
+    for (Vec3& x : bumpy.vertices) {
+        const double polar = std::acos(std::clamp(x.z() / x.norm(), -1.0, 1.0));
+        x *= 1 + 0.3 / radius * std::sin(2 * std::numbers::pi * radius * polar / 4);
+    }
+    const SurfaceShape shape(bumpy);
+    double rough = 0, smooth = 0;
+    for (double polar = 25; polar < 40; polar += 0.7) {
+        const auto seen = shape.measure(on_sphere(polar, 0), Vec3::Zero());
+        const Vec3 radial = on_sphere(polar, 0).normalized();
+        rough = std::max(rough, (seen.normal - radial).norm());
+        smooth = std::max(smooth, (seen.smooth_normal - radial).norm());
+        EXPECT_NEAR(seen.smooth_normal.norm(), 1, 1e-9);
+    }
+    EXPECT_GT(rough, 0.3);
+    EXPECT_LT(smooth, 0.03);
+}
+
 TEST(SurfaceShape, VanishesAtItsOwnVertices) {
     const Surface surface = cap(60, 10, 30);
     const SurfaceShape shape(surface);
