@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <regex>
+
+#include "host/study/calibration.hpp"
 #include "host/study/pelvis_case.hpp"
 #include "host/study/statistics.hpp"
 #include "host/study/tables.hpp"
@@ -9,11 +12,24 @@
 namespace palpate {
 namespace {
 
+StudySection calibration_section(const std::vector<Calibration>& families) {
+    return {
+        "Are the intervals honest, by family",
+        calibration_table(families).html("beside") +
+            "<p class='caption'>Phantoms of one family are loaded alike, or their contours are "
+            "off in the same way. Error / claimed deviation: root mean square of the error of "
+            "ln E over the deviation that the interval claims, its width in ln E over 3.92; 1 is "
+            "honest, more is too sure. In brackets: 95 % ranges of what many phantoms would "
+            "show.</p>",
+        {}};
+}
+
 StudyReport coverage_report(const std::vector<Row>& rows) {
     const auto ours = estimates_of(rows);
     const auto published = estimates_of(published_recovery());
     const auto groups = accuracy_by_group(ours);
     const Accuracy& all = groups.back();
+    const auto families = calibration_by_family(rows);
     std::vector<double> landmarks;
     std::size_t num_converged = 0;
     for (const Row& row : rows) {
@@ -37,10 +53,18 @@ StudyReport coverage_report(const std::vector<Row>& rows) {
             "of {}.",
             100.0 * double(all.num_holding) / double(all.num_intervals), 100 * all.holding_range[0],
             100 * all.holding_range[1], mean_of(landmarks), num_converged, rows.size())};
-    report.sections = {accuracy_section(ours, published, "true E of the prostate, kPa")};
+    report.sections = {calibration_section(families),
+                       accuracy_section(ours, published, "true E of the prostate, kPa")};
     report.facts = facts_of(groups);
     report.facts.emplace_back("mean_landmark_error_mm", mean_of(landmarks));
-    report.text = accuracy_table(groups, {}).plain();
+    for (const Calibration& family : families) {
+        const std::string name = std::regex_replace(family.family, std::regex(": "), "_") + ".";
+        report.facts.emplace_back(name + "bias_ln", family.bias_ln);
+        report.facts.emplace_back(name + "median_abs_ln_error", family.median_abs_ln_error);
+        report.facts.emplace_back(name + "error_over_claimed", family.error_over_claimed);
+        report.facts.emplace_back(name + "narrowest_factor", family.narrowest_factor);
+    }
+    report.text = accuracy_table(groups, {}).plain() + "\n" + calibration_table(families).plain();
     return report;
 }
 

@@ -18,7 +18,7 @@ namespace {
 constexpr Index num_layers = 30;
 constexpr double moduli_kpa[] = {5, 10, 20, 50, 100, 150, 200, 250, 300, 350};
 constexpr double pressures_kpa[] = {0.5, 1, 2, 3, 4};
-const std::vector<std::string> colours{"#2f86c9", "#009e73", "#d55e00", "#8a63c9", "#c79a00"};
+const std::vector<std::string> line_colours{"#2f86c9", "#009e73", "#d55e00", "#8a63c9", "#c79a00"};
 
 SpheresOptions spheres_of(double modulus_kpa, double pressure_kpa) {
     SpheresOptions spheres;
@@ -62,7 +62,7 @@ StudyPicture radius_picture(const std::vector<Row>& rows, bool over_modulus) {
     Plot plot(x_name, 440, 340, x, {lowest - 0.5, 30.5, false, "radius of the inner surface, mm"});
     std::vector<LegendEntry> legend;
     for (const double other : others) {
-        const std::string& colour = colours[legend.size() % colours.size()];
+        const std::string& colour = line_colours[legend.size() % line_colours.size()];
         std::vector<double> at, exact, marks, solved;
         for (int k = 0; k <= 60; ++k) {
             at.push_back(over_modulus ? 4 * std::pow(450.0 / 4, k / 60.0) : 4.3 * k / 60);

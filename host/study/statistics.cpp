@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -33,6 +34,13 @@ std::array<double, 2> binomial_range(std::size_t hits, std::size_t trials) {
     if (hits < trials)
         range[1] = Binomial::find_upper_bound_on_p(double(trials), double(hits), tail);
     return range;
+}
+
+std::array<double, 2> deviation_range(double rms, std::size_t count) {
+    if (count == 0) return {0, std::numeric_limits<double>::infinity()};
+    const boost::math::chi_squared squares(static_cast<double>(count));
+    const double sum = double(count) * rms * rms;
+    return {std::sqrt(sum / quantile(squares, 0.975)), std::sqrt(sum / quantile(squares, 0.025))};
 }
 
 PairedTest paired_t_test(const std::vector<double>& a, const std::vector<double>& b) {

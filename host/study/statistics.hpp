@@ -16,6 +16,10 @@ double median_of(std::vector<double> values);
 /// trials.
 std::array<double, 2> binomial_range(std::size_t hits, std::size_t trials);
 
+/// 95 % range of a normal distribution's deviation whose `count` values about a known mean have the
+/// root mean square `rms`: {0, infinity} for none.
+std::array<double, 2> deviation_range(double rms, std::size_t count);
+
 struct PairedTest {
     double mean_difference = 0;            ///< of a - b
     std::array<double, 2> interval{0, 0};  ///< 95 %
