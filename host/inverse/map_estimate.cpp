@@ -7,12 +7,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "host/inverse/anderson.hpp"
 #include "host/inverse/modulus_search.hpp"
 #include "host/inverse/surface_noise.hpp"
 #include "host/inverse/uncertainty.hpp"
+#include "host/inverse/wall_fit.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -21,8 +23,10 @@ namespace {
 constexpr int remembered_steps = 8;
 constexpr int needed_quiet_steps = 3;
 constexpr int tolerated_stalls = 8;
+constexpr int most_settling_steps = 10;
 constexpr int noise_rounds = 4;  // at each linearisation
 constexpr double deeper = 0.1;   // of F, by which another valley must be
+constexpr double stiff_share = 0.25, body_share = 3.0;
 constexpr double first_contour_mm = 0.3, least_contour_mm = 0.05;
 constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven component, in Anderson
 
@@ -87,8 +91,8 @@ public:
     Search(const ResponseModel& model, const WallPrior& walls,
            const SurfaceObservations& observations, const std::vector<ModulusPrior>& priors,
            const MapOptions& options, const ProgressSink& progress)
-        : model_(model),
-          walls_(walls),
+        : model_(std::shared_ptr<void>(), &model),
+          walls_(std::shared_ptr<void>(), &walls),
           observations_(observations),
           noise_(observations),
           priors_(priors),
@@ -110,7 +114,9 @@ private:
     State recounted(State state) const;
     std::vector<LinearRow> rows_of(const State& state) const;
     LinearisedProblem linearise(const State& state) const;
-    State settle_walls(State state) const;
+    State settle_walls(State state, bool is_smooth = false) const;
+    State settle_bodies(State state);
+    bool can_fit_walls(const State& state) const;
     State search_line(const State& from, const Position& to, double determinant_change,
                       double& length) const;
     FramePrior frame_of(const State& state) const;
@@ -124,11 +130,14 @@ private:
     ModulusMinimum best_moduli(State& state, bool is_scanned);
     bool settle_noise(State& state, ModulusMinimum& best, bool is_scanned);
     bool leaves_valley(State& state);
+    State with_fitted_walls(State state);
+    void take_walls(const std::shared_ptr<const WallPrior>& walls);
     void record(int iteration, const State& state, const ModulusMinimum& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
 
-    const ResponseModel& model_;
-    const WallPrior& walls_;
+    std::shared_ptr<const ResponseModel> model_;
+    std::shared_ptr<const WallPrior> walls_;
+    bool are_walls_fitted_ = false;
     const SurfaceObservations& observations_;
     SurfaceNoise noise_;
     Counted held_;  ///< of an earlier estimate: these rows count, with their noise. Empty: a fresh
@@ -144,8 +153,8 @@ private:
 State Search::state_at(const Position& position, const Counted& counted) const {
     std::vector<Index> unknown;
     for (const auto& prior : priors_) unknown.push_back(prior.region);
-    const auto kpa = model_.moduli(unknown, position.theta);
-    State state{position, model_.observed_displacement(kpa, position.driven), {}, counted, 0};
+    const auto kpa = model_->moduli(unknown, position.theta);
+    State state{position, model_->observed_displacement(kpa, position.driven), {}, counted, 0};
     state.seen = observations_.evaluate(state.driven, state.observed, state.frame);
     if (!counted) return recounted(std::move(state));
     state.objective = objective_of(state);
@@ -154,7 +163,7 @@ State Search::state_at(const Position& position, const Counted& counted) const {
 
 double Search::objective_of(const State& state) const {
     double objective = state.counted->misfit(state.seen.residual_mm) +
-                       walls_.energy(state.driven) + state.counted->energy(state.frame);
+                       walls_->energy(state.driven) + state.counted->energy(state.frame);
     for (std::size_t k = 0; k < priors_.size(); ++k) {
         const double z = (state.theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
         objective += 0.5 * z * z;
@@ -174,8 +183,8 @@ std::vector<LinearRow> Search::rows_of(const State& state) const {
 
 LinearisedProblem Search::linearise(const State& state) const {
     check_cancelled(progress_);
-    return LinearisedProblem(model_, walls_, rows_of(state), state.driven, state.observed, priors_,
-                             frame_of(state));
+    return LinearisedProblem(*model_, *walls_, rows_of(state), state.driven, state.observed,
+                             priors_, frame_of(state));
 }
 
 FramePrior Search::frame_of(const State& state) const {
@@ -186,10 +195,11 @@ FramePrior Search::frame_of(const State& state) const {
 
 /// Brings the driven walls near their targets with the moduli held, before anything is concluded
 /// from the observed surfaces.
-State Search::settle_walls(State state) const {
-    for (int k = 0; k < 6; ++k) {
+State Search::settle_walls(State state, bool is_smooth) const {
+    for (int k = 0; k < most_settling_steps; ++k) {
         double length = 0;
-        const WallPosterior walls(walls_, rows_of(state), state.driven, frame_of(state));
+        const WallPosterior walls(*walls_, state.counted->linear_rows(state.seen, is_smooth),
+                                  state.driven, frame_of(state));
         const State next =
             search_line(state, {walls.mean(), walls.frame_mean(), state.theta}, 0.0, length);
         const double moved = largest(next.driven - state.driven);
@@ -197,6 +207,21 @@ State Search::settle_walls(State state) const {
         if (length == 0 || moved < 0.1) break;
     }
     return state;
+}
+
+/// The same as bodies that hardly change their shape, then with the shape that they are expected to
+/// take: where a wall has slid along itself far, closest points would hold it where it is.
+State Search::settle_bodies(State state) {
+    const auto asked = walls_;
+    WallMotionScale scale = expected_scale(*asked);
+    for (auto& wall : scale.walls) wall.normal_mm *= stiff_share;
+    scale.rigid_mm *= body_share;
+    for (int k = 0; k < 2; ++k) {
+        walls_ = walls_of(*asked, k == 0 ? scale : expected_scale(*asked));
+        state = settle_walls(recounted(std::move(state)), true);
+    }
+    walls_ = asked;
+    return recounted(std::move(state));
 }
 
 /// Line search on the nonlinear objective, with the determinant of this linearisation (taken as
@@ -230,7 +255,7 @@ State Search::search_line(const State& from, const Position& to, double determin
 /// Tries the accelerated iterate first; the line search where that does not go down.
 State Search::accelerated_step(const State& from, const ModulusMinimum& best,
                                AndersonAcceleration& acceleration, bool& improved) const {
-    const Index n = model_.driven_dofs();
+    const Index n = model_->driven_dofs();
     const double determinant_change = best.log_determinant - best.start_log_determinant;
     const Position to = position_of(best);
     const Eigen::VectorXd point = from.scaled();
@@ -240,8 +265,7 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
         const Eigen::VectorXd theta = (proposal.tail(from.theta.size()) / mm_per_unit_ln)
                                           .cwiseMax(bounds_.lower_ln)
                                           .cwiseMin(bounds_.upper_ln);
-        State trial =
-            state_at({proposal.head(n), proposal.segment<6>(n), theta}, from.counted);
+        State trial = state_at({proposal.head(n), proposal.segment<6>(n), theta}, from.counted);
         const double allowed = from.objective - 0.5 * determinant_change + acceptable_rise;
         if (std::isfinite(trial.objective) && trial.objective <= allowed) return trial;
         acceleration.reset();
@@ -294,8 +318,8 @@ ModulusMinimum Search::best_moduli(State& state, bool is_scanned) {
     const LinearisedProblem problem = linearise(state);
     check_cancelled(progress_);
     if (is_scanned)
-        state = recounted(state_at(
-            {state.driven, state.frame, scan_moduli(problem, bounds_)}, state.counted));
+        state = recounted(
+            state_at({state.driven, state.frame, scan_moduli(problem, bounds_)}, state.counted));
     check_cancelled(progress_);
     ModulusMinimum best = minimise_moduli(problem, state.theta, bounds_, hessian_);
     hessian_ = best.hessian;
@@ -333,6 +357,28 @@ bool Search::leaves_valley(State& state) {
     return true;
 }
 
+/// Where no modulus is asked for, walls move as the settings say: the fit is for what moduli see.
+bool Search::can_fit_walls(const State& state) const {
+    const std::vector<LinearRow> rows = rows_of(state);
+    const bool any = std::any_of(rows.begin(), rows.end(), [](auto& row) { return row.on_driven; });
+    return options_.fit_walls && any && !priors_.empty() && !walls_->expectation().normals.empty();
+}
+
+/// What is expected of the walls' motion becomes what their own distances show of it.
+State Search::with_fitted_walls(State state) {
+    if (!can_fit_walls(state)) return state;
+    const WallMotionScale scale = fit_walls(*walls_, rows_of(state), state.driven, frame_of(state));
+    take_walls(walls_of(*walls_, scale));
+    return recounted(std::move(state));
+}
+
+void Search::take_walls(const std::shared_ptr<const WallPrior>& walls) {
+    if (!walls) return;
+    walls_ = walls;
+    model_ = std::make_shared<ResponseModel>(model_->with_walls(*walls));
+    are_walls_fitted_ = true;
+}
+
 void Search::record(int iteration, const State& state, const ModulusMinimum& best, double step) {
     IterationRecord entry;
     entry.iteration = iteration;
@@ -358,20 +404,26 @@ MapEstimate Search::run() {
         theta[k] = options_.start_kpa > 0 ? std::log(options_.start_kpa) : priors_[k].mean_ln;
     }
     noise_.set_level(first_level());
-    State state =
-        settle_walls(state_at({Eigen::VectorXd::Zero(model_.driven_dofs()), FrameMotion::Zero(), theta}, nullptr));
+    State state = state_at(
+        {Eigen::VectorXd::Zero(model_->driven_dofs()), FrameMotion::Zero(), theta}, nullptr);
+    const bool are_walls_open = can_fit_walls(state);
+    state = are_walls_open ? settle_bodies(state) : settle_walls(state);
     noise_.take_terraces(state.seen);
-    return iterate(recounted(state), true);
+    state = recounted(std::move(state));
+    if (are_walls_open) state = settle_walls(with_fitted_walls(std::move(state)));
+    return iterate(std::move(state), true);
 }
 
 MapEstimate Search::run_from(const MapEstimate& earlier) {
     noise_ = *earlier.noise;
+    take_walls(earlier.walls);
     held_ = earlier.counted;
     return iterate(state_at({earlier.driven, earlier.frame, earlier.theta}, held_), false);
 }
 
 MapEstimate Search::run_near(const MapEstimate& earlier) {
     noise_ = *earlier.noise;
+    take_walls(earlier.walls);
     if (options_.reach > 1) {
         const auto reach = Eigen::ArrayXd::Constant(earlier.theta.size(), std::log(options_.reach));
         bounds_.lower_ln = bounds_.lower_ln.cwiseMax((earlier.theta.array() - reach).matrix());
@@ -400,6 +452,11 @@ MapEstimate Search::iterate(State state, bool is_scanned) {
         if (is_noise_open) {
             noise_.take_terraces(state.seen);
             state = recounted(state);
+        }
+        if (k + 1 == options_.noise_iterations && is_noise_open && is_scanned) {
+            state = with_fitted_walls(state);
+            acceleration.reset();
+            continue;
         }
         if (is_noise_new) continue;
         const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
@@ -445,6 +502,10 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.observed = state.observed;
     estimate.unknown = priors_;
     estimate.theta = state.theta;
+    if (are_walls_fitted_) {
+        estimate.walls = walls_;
+        estimate.response = model_;
+    }
     estimate.noise_level = noise_.level();
     estimate.noise = std::make_shared<SurfaceNoise>(noise_);
     estimate.records = records_;

@@ -35,6 +35,8 @@ struct MapOptions {
     /// Standard deviation (mm) of the error of both images' contours together, which neighbouring
     /// points share. Empty: found. Given, the scale of sigma_n is found instead.
     std::optional<double> contour_mm;
+    /// What is expected of the walls' motion is fitted to their own distances (fit_walls).
+    bool fit_walls = true;
     double smallest_noise_scale = 1;  ///< lower for surfaces without voxels
     /// The size of the noise and the terraces are held from here on, so that the steps can settle.
     int noise_iterations = 6;
@@ -52,6 +54,8 @@ struct MapEstimate {
     Eigen::VectorXd seen_sd_ln;                      ///< see uncertainty.hpp, as the next two
     std::vector<std::array<bool, 2>> excluded_ends;  ///< [num unknown], softest, stiffest
     ScaledSensitivity sensitivity;
+    std::shared_ptr<const WallPrior> walls;         ///< fitted; null: as they were given
+    std::shared_ptr<const ResponseModel> response;  ///< with these; null as well
     /// The problem linearised at the estimate, for the uncertainty of whatever follows from the
     /// wall motion; valid as long as the response model and the walls' prior are.
     std::shared_ptr<const LinearisedProblem> posterior;

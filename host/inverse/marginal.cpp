@@ -28,8 +28,8 @@ struct LinearisedProblem::Response {
     Eigen::LLT<Eigen::MatrixXd> equilibrium;  // of S(E)
     // [X | s] = S^-1 T [P | N m], below it the frame's part, [modes + 6, rank + 1]
     Eigen::MatrixXd shapes;
-    Eigen::MatrixXd informed;                 // I [X | s]
-    Eigen::LLT<Eigen::MatrixXd> inner;        // of M = 1 + B^T B
+    Eigen::MatrixXd informed;           // I [X | s]
+    Eigen::LLT<Eigen::MatrixXd> inner;  // of M = 1 + B^T B
     // With all rows whitened by R^-1/2, C^-1 = 1 - B M^-1 B^T, and M has the rank of the free wall
     // motion (Woodbury); e = y + G_o V s, alpha = C^-1 e = e - B w.
     Eigen::VectorXd motion;  // w = M^-1 B^T e = B^T alpha

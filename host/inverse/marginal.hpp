@@ -28,7 +28,7 @@ public:
         Eigen::VectorXd gradient;    ///< dF/dtheta [num unknown], zero if not asked for
     };
     struct Fit {
-        Eigen::VectorXd driven;          ///< most probable u_d at theta [driven_dofs]
+        Eigen::VectorXd driven;                   ///< most probable u_d at theta [driven_dofs]
         FrameMotion frame = FrameMotion::Zero();  ///< and motion of the target's frame
         double weighted_misfit = 0;      ///< r^T R^-1 r of the observed residual r = R C^-1 e there
         double effective_rows = 0;       ///< trace of R C^-1: rows that the fit does not use up
@@ -61,8 +61,8 @@ public:
 /// out too low.
 ///
 /// A motion delta of the target's frame is integrated out with the walls' (WallPosterior): the rows
-/// are y = J N u_d + A delta + noise, and delta a wall motion that moves what is seen rigidly. It is
-/// kept as six further modes behind those of the response model, which no modulus changes.
+/// are y = J N u_d + A delta + noise, and delta a wall motion that moves what is seen rigidly. It
+/// is kept as six further modes behind those of the response model, which no modulus changes.
 class LinearisedProblem : public ModulusObjective {
 public:
     /// `driven` [driven_dofs] and `observed` [observed_dofs]: the displacement at which `rows` are
@@ -127,7 +127,7 @@ private:
     double target_squares_ = 0;           ///< y^T D y
     double noise_trace_ = 0;              ///< tr D R
     Eigen::VectorXd mean_;                ///< N m, or N (m - u_d*)
-    Eigen::MatrixXd spread_root_;  ///< P [functionals, rank], P P^T = N H^-1 N^T
+    Eigen::MatrixXd spread_root_;         ///< P [functionals, rank], P P^T = N H^-1 N^T
     /// What of the frame's motion belongs to the columns of [P | N m], [6 or 0, rank + 1]: -L, and
     /// minus its mean (modes count backwards: J c = -G_o V x).
     Eigen::MatrixXd frame_shapes_;

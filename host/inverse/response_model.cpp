@@ -316,6 +316,13 @@ private:
     std::vector<Eigen::MatrixXd> couplings_;  ///< S_r,od Q^-1 N^T per region
 };
 
+ResponseModel ResponseModel::with_walls(const WallPrior& prior) const {
+    ResponseModel other = *this;
+    other.parts_.spread = prior.covariance_times(parts_.functionals.transpose());
+    other.parts_.prior_covariance = parts_.functionals * other.parts_.spread;
+    return other;
+}
+
 ResponseModel ResponseModel::exact(const ReducedModel& model, const WallPrior& prior) {
     return ResponseBuilder(model, prior, {}, {}, {}).exact();
 }

@@ -15,7 +15,7 @@ struct ResponseOptions {
     /// Root mean square of the observed displacement that may be left out, mm, for wall motions
     /// drawn from the prior at any of the tested moduli. Far below a voxel's noise; raise it to
     /// save time on very large surfaces.
-    double tolerance_mm = 0.1;
+    double tolerance_mm = 0.02;
     double softest_kpa = 3, stiffest_kpa = 3000;  ///< range of the unknown moduli to be exact in
     /// If above 1 that range is from the moduli of the reduced model over this to this times them.
     double reach = 0;
@@ -65,6 +65,10 @@ public:
     /// The same modes and functionals about the point of `model`, which has moved a little
     /// (`ReducedModel::move_to`) since this was made from it.
     ResponseModel moved_with(const ReducedModel& model) const;
+
+    /// The same answers with other expectations of the walls: Q^-1 N^T and N Q^-1 N^T are the
+    /// prior's.
+    ResponseModel with_walls(const WallPrior& prior) const;
 
     Index num_modes() const { return static_cast<Index>(parts_.modes.cols()); }
     Index num_functionals() const { return static_cast<Index>(parts_.functionals.rows()); }

@@ -17,6 +17,9 @@ namespace {
 constexpr double robust_limit = 3.0;  // standard deviations
 /// An outlier bends what its neighbours say, so that it is looked for again without it.
 constexpr int outlier_passes = 3;
+/// Mean square slope of contours that are off by 1 mm with the kernel of `contour_correlation`,
+/// 2 * 3 / l^2, as far as normals are smoothed of it.
+constexpr double contour_slopes_per_mm2 = 0.1;
 
 double beyond_limit(double z) { return std::max(1.0, std::abs(z) / robust_limit); }
 
@@ -58,13 +61,28 @@ double CountedRows::energy(const FrameMotion& motion) const {
     return 0.5 * motion.dot(frame_.covariance.ldlt().solve(motion));
 }
 
-std::vector<LinearRow> CountedRows::linear_rows(const ObservedState& seen) const {
+/// Slopes that the target's contours have by error, over all of those that smoothing takes away:
+/// the less of them is shape, the less a wall may slide along them.
+double CountedRows::roughness_to_trust(const Group& group, const ObservedState& seen) {
+    double rough = 0, wrong = 0;
+    for (std::size_t i = 0; i < group.rows.size(); ++i) {
+        const Index k = group.observations[i];
+        rough += (seen.normal.row(k) - seen.smooth_normal.row(k)).squaredNorm();
+        wrong += 0.5 * std::pow(group.rows[i].contour_mm, 2) * contour_slopes_per_mm2;
+    }
+    return rough > 0 ? 1.0 - std::min(1.0, wrong / rough) : 0.0;
+}
+
+std::vector<LinearRow> CountedRows::linear_rows(const ObservedState& seen, bool is_smooth) const {
     std::vector<LinearRow> rows;
     for (const Group& group : groups_) {
+        const double rough = is_smooth ? 0.0 : roughness_to_trust(group, seen);
         for (std::size_t i = 0; i < group.rows.size(); ++i) {
+            const Index k = group.observations[i];
+            const Vec3 normal = seen.normal.row(k), smooth = seen.smooth_normal.row(k);
             rows.push_back(group.rows[i]);
-            rows.back().normal = seen.normal.row(group.observations[i]);
-            rows.back().residual_mm = seen.residual_mm[group.observations[i]];
+            rows.back().normal = smooth + rough * (normal - smooth);
+            rows.back().residual_mm = seen.residual_mm[k];
         }
     }
     return rows;

@@ -30,8 +30,9 @@ public:
     const FramePrior& frame() const { return frame_; }
     /// 1/2 delta^T Sigma^-1 delta
     double energy(const FrameMotion& motion) const;
-    /// The rows that count, linearised at `seen`.
-    std::vector<LinearRow> linear_rows(const ObservedState& seen) const;
+    /// The rows that count, linearised at `seen`, their normals smooth as far as contours are off,
+    /// or wholly.
+    std::vector<LinearRow> linear_rows(const ObservedState& seen, bool is_smooth = false) const;
 
 private:
     friend class SurfaceNoise;
@@ -43,6 +44,8 @@ private:
         Eigen::LLT<Eigen::MatrixXd> covariance;
         Eigen::VectorXd alone_mm;  ///< deviations before outliers, where rows share nothing
     };
+    static double roughness_to_trust(const Group& group, const ObservedState& seen);
+
     std::vector<Group> groups_;
     FramePrior frame_;
 };

@@ -82,8 +82,8 @@ void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven, const F
     for (Index j = 0; j < n; ++j) {
         const LinearRow& row = part.rows[j];
         for (Index i = j; i < n; ++i) {
-            gram(i, j) = part.wall->covariance(part.place[i], part.place[j]) *
-                             part.rows[i].normal.dot(row.normal) +
+            gram(i, j) = part.wall->covariance_along(part.place[i], part.rows[i].normal,
+                                                     part.place[j], row.normal) +
                          (i == j ? noise_variance(row) : noise_covariance(part.rows[i], row));
         }
         wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
@@ -100,7 +100,7 @@ void WallPosterior::add_spread_back(const Rows& part, const Eigen::VectorXd& wei
     for (std::size_t i = 0; i < part.rows.size(); ++i) {
         along.row(part.place[i]) += weights[i] * part.rows[i].normal.transpose();
     }
-    const Eigen::MatrixXd spread = scale * (part.wall->covariance * along);
+    const Eigen::MatrixXd spread = scale * part.wall->times(along);
     for (std::size_t k = 0; k < part.wall->nodes.size(); ++k) {
         result.segment<3>(3 * part.wall->nodes[k]) += spread.row(k);
     }

@@ -34,8 +34,8 @@ public:
     const Eigen::MatrixXd& frame_root() const { return frame_root_; }
     /// D [3 num_driven, 6], or [3 num_driven, 0].
     const Eigen::MatrixXd& frame_spread() const { return frame_spread_; }
-    /// N H^-1 N^T, the alignment held, for functionals N given as `spread` = Q^-1 N^T [3 num_driven, k] and
-    /// `prior_covariance` = N Q^-1 N^T [k, k].
+    /// N H^-1 N^T, the alignment held, for functionals N given as `spread` = Q^-1 N^T [3
+    /// num_driven, k] and `prior_covariance` = N Q^-1 N^T [k, k].
     Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& spread,
                                   const Eigen::MatrixXd& prior_covariance) const;
     /// H^-1 v, given Q^-1 v, the alignment held.

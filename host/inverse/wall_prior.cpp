@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/inverse/wall_prior.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,10 @@
 #include <random>
 #include <utility>
 
+#include "host/inverse/reduced_model.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
+#include "solver/base/serial_blas.hpp"
 
 namespace palpate {
 namespace {
@@ -87,7 +90,24 @@ Eigen::MatrixXd normal_numbers(Eigen::Index rows, Eigen::Index columns, unsigned
 
 }  // namespace
 
-WallPrior::WallPrior(Sparse precision) : precision_(std::move(precision)) {
+Eigen::MatrixXd WallPrior::Wall::times(const Eigen::MatrixXd& x) const {
+    if (normals.rows() == 0) return covariance * x;
+    const Eigen::VectorXd along = normals.cwiseProduct(x).rowwise().sum();
+    const Eigen::MatrixXd across = x - normals.cwiseProduct(along.replicate<1, 3>());
+    const Eigen::VectorXd out = covariance * along;
+    const Eigen::MatrixXd slid = tangential * tangential * (covariance * across);
+    const Eigen::VectorXd left = out - normals.cwiseProduct(slid).rowwise().sum();
+    Eigen::MatrixXd result = slid + normals.cwiseProduct(left.replicate<1, 3>());
+    Eigen::Matrix<double, 6, 1> as_body = Eigen::Matrix<double, 6, 1>::Zero();
+    for (Index k = 0; k < x.rows(); ++k)
+        as_body += rigid.middleRows<3>(3 * k).transpose() * x.row(k).transpose();
+    for (Index k = 0; k < x.rows(); ++k)
+        result.row(k) += (rigid.middleRows<3>(3 * k) * as_body).transpose();
+    return result;
+}
+
+WallPrior::WallPrior(Sparse precision, WallExpectation expectation)
+    : precision_(std::move(precision)), expectation_(std::move(expectation)) {
     std::vector<Index> place(precision_.cols());
     for (auto& nodes : connected_nodes(precision_)) {
         for (std::size_t k = 0; k < nodes.size(); ++k) place[nodes[k]] = static_cast<Index>(k);
@@ -96,8 +116,66 @@ WallPrior::WallPrior(Sparse precision) : precision_(std::move(precision)) {
     }
 }
 
+WallPrior::WallPrior(const WallPrior& earlier, std::vector<Wall> walls)
+    : precision_(earlier.precision_),
+      expectation_(earlier.expectation_),
+      walls_(std::move(walls)),
+      factors_(walls_.size()) {
+    const SerialBlas serial;
+    parallel_ranges(static_cast<Index>(walls_.size()), 1, [&](Index begin, Index end) {
+        for (Index w = begin; w < end; ++w) factors_[w] = factors_of(walls_[w]);
+    });
+}
+
+WallPrior::Factors WallPrior::factors_of(const Wall& wall) {
+    const Index n = static_cast<Index>(wall.nodes.size());
+    Factors factors;
+    factors.normal = cholesky(wall.covariance, "covariance of the walls");
+    for (Index k = 0; k < n; ++k) {
+        const Vec3 normal = wall.normals.row(k);
+        factors.tangents.emplace_back();
+        factors.tangents[k].col(0) = normal.unitOrthogonal();
+        factors.tangents[k].col(1) = normal.cross(factors.tangents[k].col(0));
+    }
+    Eigen::MatrixXd along(2 * n, 2 * n);
+    for (Index j = 0; j < n; ++j) {
+        for (Index i = j; i < n; ++i)
+            along.block<2, 2>(2 * i, 2 * j) = wall.tangential * wall.tangential *
+                                              wall.covariance(i, j) *
+                                              factors.tangents[i].transpose() * factors.tangents[j];
+    }
+    factors.tangential = cholesky(along, "covariance of the walls");
+    factors.rigid = whitened(wall, factors, wall.rigid);
+    factors.inner.compute(Eigen::MatrixXd::Identity(6, 6) +
+                          factors.rigid.transpose() * factors.rigid);
+    return factors;
+}
+
+Eigen::MatrixXd WallPrior::whitened(const Wall& wall, const Factors& factors,
+                                    const Eigen::MatrixXd& u) {
+    const Index n = static_cast<Index>(wall.nodes.size());
+    Eigen::MatrixXd out(n, u.cols()), along(2 * n, u.cols()), all(3 * n, u.cols());
+    for (Index k = 0; k < n; ++k) {
+        out.row(k) = wall.normals.row(k) * u.middleRows<3>(3 * k);
+        along.middleRows<2>(2 * k) = factors.tangents[k].transpose() * u.middleRows<3>(3 * k);
+    }
+    factors.normal.matrixL().solveInPlace(out);
+    factors.tangential.matrixL().solveInPlace(along);
+    all << out, along;
+    return all;
+}
+
 double WallPrior::energy(const Eigen::VectorXd& u) const {
     double sum = 0;
+    for (std::size_t w = 0; w < factors_.size(); ++w) {
+        Eigen::VectorXd moved(3 * walls_[w].nodes.size());
+        for (std::size_t k = 0; k < walls_[w].nodes.size(); ++k)
+            moved.segment<3>(3 * k) = u.segment<3>(3 * walls_[w].nodes[k]);
+        const Eigen::VectorXd white = whitened(walls_[w], factors_[w], moved);
+        const Eigen::VectorXd as_body = factors_[w].rigid.transpose() * white;
+        sum += white.squaredNorm() - as_body.dot(factors_[w].inner.solve(as_body));
+    }
+    if (!factors_.empty()) return 0.5 * sum;
     for (Index column = 0; column < precision_.outerSize(); ++column) {
         const Vec3 here = u.segment<3>(3 * column);
         for (Sparse::InnerIterator it(precision_, column); it; ++it) {
@@ -110,7 +188,18 @@ double WallPrior::energy(const Eigen::VectorXd& u) const {
 Eigen::MatrixXd WallPrior::covariance_times(const Eigen::MatrixXd& x) const {
     Eigen::MatrixXd result(x.rows(), x.cols());
     for (const Wall& wall : walls_) {
-        scatter(wall.covariance * gather(x, wall.nodes), wall.nodes, result);
+        if (wall.normals.rows() == 0) {
+            scatter(wall.covariance * gather(x, wall.nodes), wall.nodes, result);
+            continue;
+        }
+        Eigen::MatrixXd column(wall.nodes.size(), 3);
+        for (Index c = 0; c < x.cols(); ++c) {
+            for (std::size_t k = 0; k < wall.nodes.size(); ++k)
+                column.row(k) = x.col(c).segment<3>(3 * wall.nodes[k]);
+            column = wall.times(column);
+            for (std::size_t k = 0; k < wall.nodes.size(); ++k)
+                result.col(c).segment<3>(3 * wall.nodes[k]) = column.row(k);
+        }
     }
     return result;
 }

@@ -75,6 +75,7 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
     ObservedState state;
     state.residual_mm.resize(num_rows());
     state.normal.resize(num_rows(), 3);
+    state.smooth_normal.resize(num_rows(), 3);
     state.place.resize(num_rows(), 3);
     for (Index k = 0; k < num_rows(); ++k) {
         const auto& row = rows_[k];
@@ -85,6 +86,7 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
             shapes_.target[row.surface]->measure(row.place + u, facing_[k]);
         state.residual_mm[k] = target.mm - own_offset_[k];
         state.normal.row(k) = target.normal;
+        state.smooth_normal.row(k) = target.smooth_normal;
         state.seen.push_back(target.is_seen);
     }
     return state;

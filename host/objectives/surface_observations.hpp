@@ -51,9 +51,10 @@ struct Observation {
 struct ObservedState {
     /// [num_observations]; where nothing is seen: to the shape as it would go on, not to be fitted.
     Eigen::VectorXd residual_mm;
-    Eigen::Matrix<double, Eigen::Dynamic, 3>
-        normal;                                      ///< gradient of the residual with respect to u
-    Eigen::Matrix<double, Eigen::Dynamic, 3> place;  ///< where x + u is seen, mm
+    using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+    Vectors normal;                  ///< gradient of the residual with respect to u
+    Vectors smooth_normal;           ///< of the shape (ShapeDistance), for linearised problems
+    Vectors place;                   ///< where x + u is seen, mm
     std::vector<std::uint8_t> seen;  ///< [num_observations] 0: the target says nothing there
 };
 

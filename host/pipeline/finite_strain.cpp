@@ -25,7 +25,7 @@ constexpr double widest_reach = 3.0, narrowest_reach = 1.2;
 /// again: a hundredth of the size of the organs.
 constexpr double near_mm = 0.3;
 /// What a response model may leave out, as a part of the least noise.
-constexpr double left_out_of_noise = 0.3;
+constexpr double left_out_of_noise = 0.3, most_left_out_mm = 0.1;
 /// A step of the search costs a fiftieth of a round, so that each search goes further than one
 /// alone.
 constexpr double finer_tolerance = 0.2;
@@ -130,9 +130,8 @@ void Rounds::find_equilibrium() {
 void Rounds::linearise() {
     least_noise_mm_ = noise_mm_ * std::clamp(found_.gap_mm / noise_mm_,
                                              options_.search.smallest_noise_scale, 1.0);
-    const double tolerance_mm =
-        std::clamp(left_out_of_noise * least_noise_mm_, options_.response.tolerance_mm,
-                   ResponseOptions{}.tolerance_mm);
+    const double tolerance_mm = std::clamp(left_out_of_noise * least_noise_mm_,
+                                           options_.response.tolerance_mm, most_left_out_mm);
     const bool is_near =
         reduced_ && root_mean_square(found_.state.displacement - tangent_at_) < near_mm;
     is_near ? move_tangents() : take_tangents();
@@ -220,14 +219,14 @@ void Rounds::judge() {
     parts.point.driven.setZero(estimate.driven.size());
     parts.point.observed =
         estimate.observed - rest_.response.observed_displacement(kpa, estimate.driven);
-    const ResponseModel shifted(std::move(parts));
+    const WallPrior& walls = estimate.walls ? *estimate.walls : rest_.walls;
+    const ResponseModel shifted = ResponseModel(std::move(parts)).with_walls(walls);
     FramePrior frame = estimate.counted->frame();
     frame.motion = estimate.frame;
-    const LinearisedProblem problem(
-        shifted, rest_.walls,
-        estimate.counted->linear_rows(
-            observations_.evaluate(estimate.driven, estimate.observed, estimate.frame)),
-        estimate.driven, estimate.observed, rest_.priors, frame);
+    const LinearisedProblem problem(shifted, walls,
+                                    estimate.counted->linear_rows(observations_.evaluate(
+                                        estimate.driven, estimate.observed, estimate.frame)),
+                                    estimate.driven, estimate.observed, rest_.priors, frame);
     MapEstimate far = estimate;
     take_uncertainty(problem, options_.search, far, progress_);
     estimate.excluded_ends = far.excluded_ends;

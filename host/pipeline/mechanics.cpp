@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/objectives/displacement_prior.hpp"
+#include "host/surfaces/surface.hpp"
 
 namespace palpate {
 namespace {
@@ -31,6 +32,24 @@ std::vector<double> moduli_of(const Model& model) {
     return stiffness;
 }
 
+WallExpectation wall_expectation(const RecoveryModel& recovery, const PriorSettings& prior) {
+    WallExpectation expectation;
+    expectation.sd_mm = prior.displacement_sd_mm;
+    expectation.range_mm = prior.displacement_range_mm;
+    std::vector<Vec3> normals(recovery.model.mesh.nodes.size(), Vec3::Zero());
+    for (const ObservedSurface& organ : recovery.surfaces) {
+        if (!organ.driven) continue;
+        const std::vector<Vec3> own = vertex_normals(organ.surface);
+        for (std::size_t v = 0; v < own.size(); ++v) normals[organ.node_of[v]] += own[v];
+    }
+    for (const Index node : recovery.driven) {
+        const double length = normals[node].norm();
+        expectation.places.push_back(recovery.model.mesh.nodes[node]);
+        expectation.normals.push_back(length > 0 ? Vec3(normals[node] / length) : Vec3::UnitX());
+    }
+    return expectation;
+}
+
 Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
                          const LinearSolverOptions& solver, const MechanicsOptions& options,
                          StageTimer& timer, const ProgressSink& progress) {
@@ -43,7 +62,8 @@ Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
                                moduli_of(recovery.model));
     timer.start("compressing");
     WallPrior walls(
-        displacement_precision(recovery, prior.displacement_sd_mm, prior.displacement_range_mm));
+        displacement_precision(recovery, prior.displacement_sd_mm, prior.displacement_range_mm),
+        wall_expectation(recovery, prior));
     auto priors = modulus_priors(recovery, reduced, prior);
     std::vector<Index> unknown;
     for (const auto& modulus : priors) unknown.push_back(modulus.region);

@@ -30,6 +30,9 @@ struct MechanicsOptions {
 /// Of all regions, kPa.
 std::vector<double> moduli_of(const Model& model);
 
+/// What is expected of the driven walls' motion, with their places and normals.
+WallExpectation wall_expectation(const RecoveryModel& recovery, const PriorSettings& prior);
+
 /// From node sets to a model that answers for any modulus. Unknown moduli have their prior's median
 /// in `recovery.model`.
 Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,

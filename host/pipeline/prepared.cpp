@@ -5,8 +5,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <numbers>
 #include <future>
+#include <numbers>
 #include <utility>
 
 #include "host/meshing/io.hpp"

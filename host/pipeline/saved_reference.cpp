@@ -138,7 +138,8 @@ bool has_symmetric_pattern(const Eigen::SparseMatrix<double>& matrix) {
                       turned.innerIndexPtr());
 }
 
-WallPrior walls_of(const SavedReference& saved, const RecoveryModel& recovery) {
+WallPrior walls_of(const SavedReference& saved, const RecoveryModel& recovery,
+                   const PriorSettings& prior) {
     const SparseEntries& entries = saved.wall_precision;
     const char* what = "the entries of the wall prior";
     require(entries.size == static_cast<Index>(recovery.driven.size()) && is_sound(entries), what);
@@ -150,7 +151,7 @@ WallPrior walls_of(const SavedReference& saved, const RecoveryModel& recovery) {
     Eigen::SparseMatrix<double> precision(entries.size, entries.size);
     precision.setFromTriplets(triplets.begin(), triplets.end());
     require(has_symmetric_pattern(precision), what);
-    return WallPrior(std::move(precision));
+    return WallPrior(std::move(precision), wall_expectation(recovery, prior));
 }
 
 ResponseModel response_of(SavedReference& saved, const RecoveryModel& recovery) {
@@ -165,7 +166,7 @@ ResponseModel response_of(SavedReference& saved, const RecoveryModel& recovery) 
 Mechanics mechanics_of(SavedReference& saved, const Settings& settings) {
     RecoveryModel recovery = build_model(saved.mesh, settings);
     require(is_sound(saved.priors, recovery.unknown), "the unknown regions");
-    WallPrior walls = walls_of(saved, recovery);
+    WallPrior walls = walls_of(saved, recovery, settings.prior);
     ResponseModel response = response_of(saved, recovery);
     return {std::move(recovery), std::move(walls), std::move(response), std::move(saved.priors),
             std::move(saved.condensation)};

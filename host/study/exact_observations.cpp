@@ -44,6 +44,7 @@ MapOptions exact_search(double noise_mm) {
     search.modulus_tolerance_sd = 0.02;
     search.noise_iterations = 30;
     search.contour_mm = 0;
+    search.fit_walls = false;
     search.smallest_noise_scale = least_noise_mm / noise_mm;
     return search;
 }

@@ -193,7 +193,8 @@ TEST(Marginal, IntegratesTheAlignmentOut) {
     Fixture f;
     FramePrior frame;
     frame.frame.centre = Vec3(1, -2, 3);
-    const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(6, 6, [&] { return f.normal(f.random); });
+    const Eigen::MatrixXd root =
+        Eigen::MatrixXd::NullaryExpr(6, 6, [&] { return f.normal(f.random); });
     frame.covariance = 0.1 * root * root.transpose() + 0.05 * Eigen::MatrixXd::Identity(6, 6);
     frame.motion << 0.3, -0.2, 0.1, 0.2, -0.4, 0.1;
     for (LinearRow& row : f.rows) row.place = 20 * Vec3(f.noise(3));

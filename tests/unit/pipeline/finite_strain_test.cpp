@@ -81,6 +81,7 @@ struct Block {
     static FiniteStrainOptions options() {
         FiniteStrainOptions options;
         options.search.contour_mm = 0;
+        options.search.fit_walls = false;
         options.search.smallest_noise_scale = 0.02;
         options.search.noise_iterations = 3;
         options.response.tolerance_mm = 0.001;

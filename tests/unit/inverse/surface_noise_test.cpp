@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/inverse/surface_noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace palpate {
+namespace {
+
+/// The plane z = 0, on which each point finds what it is told.
+struct Plane : TargetShape {
+    ShapeDistance measure(const Vec3& point, const Vec3&) const override {
+        return {point.z(), Vec3(0.1, 0, 1), true, Vec3::UnitZ()};
+    }
+};
+
+constexpr Index side = 15;  // nodes, 2 mm apart
+
+RecoveryModel flat_organ() {
+    RecoveryModel recovery;
+    ObservedSurface organ;
+    for (Index j = 0; j < side; ++j)
+        for (Index i = 0; i < side; ++i) {
+            const Index node = i + side * j;
+            recovery.model.mesh.nodes.emplace_back(2.0 * i, 2.0 * j, 0);
+            organ.surface.vertices.push_back(recovery.model.mesh.nodes.back());
+            organ.node_of.push_back(node);
+            recovery.observed.push_back(node);
+            if (i == 0 || j == 0) continue;
+            organ.surface.triangles.push_back({node, node - 1, node - side});
+            organ.surface.triangles.push_back({node - 1, node - side - 1, node - side});
+        }
+    recovery.surfaces.push_back(organ);
+    return recovery;
+}
+
+struct Fixture {
+    RecoveryModel recovery = flat_organ();
+    std::shared_ptr<const TargetShape> plane = std::make_shared<Plane>();
+    SurfaceObservations observations{recovery,
+                                     {{plane}, {plane}},
+                                     std::vector<std::uint8_t>(side* side, 1),
+                                     {0.2, 0.1, {}, 4.0, {}}};
+    SurfaceNoise noise{observations};
+
+    /// Nodes that are off by `mm` within `radius_mm` of the middle.
+    ObservedState bump(double mm, double radius_mm) const {
+        Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * side * side);
+        for (const Index node : off(radius_mm)) u[3 * node + 2] = mm;
+        return observations.evaluate(Eigen::VectorXd(), u);
+    }
+    std::set<Index> off(double radius_mm) const {
+        const Vec3 middle = recovery.model.mesh.nodes[side * side / 2];
+        std::set<Index> nodes;
+        for (Index n = 0; n < side * side; ++n)
+            if ((recovery.model.mesh.nodes[n] - middle).norm() <= radius_mm) nodes.insert(n);
+        return nodes;
+    }
+};
+
+TEST(SurfaceNoise, CountsOneNodeThatDiffersFromItsNeighboursLessAndNoOther) {
+    Fixture f;
+    f.noise.set_level({1, 0.5});
+    const ObservedState state = f.bump(4, 0.1);
+    const auto rows = f.noise.count(state)->linear_rows(state);
+    for (const LinearRow& row : rows) {
+        if (row.position == side * side / 2) {
+            EXPECT_GT(row.independent_mm, 0.5);
+            EXPECT_LT(row.weight, 0.5);
+        } else {
+            EXPECT_LT(row.independent_mm, 0.3);
+        }
+    }
+}
+
+TEST(SurfaceNoise, CountsASmoothBumpAsOneOutlier) {
+    Fixture f;
+    f.noise.set_level({1, 0.5});
+    const ObservedState small = f.bump(0.5, 8), large = f.bump(5, 8);
+    const double first = f.noise.count(small)->misfit(small.residual_mm);
+    const auto counted = f.noise.count(large);
+    // Ten times as far off: far less than a hundred times the misfit.
+    EXPECT_LT(counted->misfit(large.residual_mm), 40 * first);
+    Index more = 0;
+    for (const LinearRow& row : counted->linear_rows(large)) more += row.contour_mm > 0.6;
+    EXPECT_GT(more, static_cast<Index>(f.off(4).size()));
+}
+
+TEST(SurfaceNoise, WithoutASharedPartIsHubersLoss) {
+    Fixture f;
+    f.noise.set_level({1, 0});
+    const ObservedState state = f.bump(4, 0.1);
+    const double sd = f.noise.count(state)->linear_rows(f.bump(0, 0.1))[0].independent_mm;
+    ASSERT_GT(sd, 0);
+    const Index middle = side * side / 2;
+    const double own = 0.2 * std::sqrt(1.0);
+    const double z = 4 / own;
+    EXPECT_NEAR(f.noise.count(state)->misfit(state.residual_mm), 3 * (z - 1.5), 1e-6);
+    EXPECT_EQ(f.off(0.1), std::set<Index>{middle});
+}
+
+TEST(SurfaceNoise, FollowsTheTargetsSlopesOnlyAsFarAsContoursAreRight) {
+    Fixture f;
+    const ObservedState state = f.bump(0, 0.1);
+    const auto slope = [&](double contour_mm) {
+        f.noise.set_level({1, contour_mm});
+        return f.noise.count(state)->linear_rows(state)[0].normal.x();
+    };
+    EXPECT_NEAR(slope(0), 0.1, 1e-12);  // exact contours: those of the target
+    EXPECT_LT(slope(0.3), slope(0.1));
+    EXPECT_NEAR(slope(1.0), 0, 1e-12);  // all of them may be errors
+    EXPECT_EQ(f.noise.count(state)->linear_rows(state, true)[0].normal, Vec3::UnitZ());
+}
+
+TEST(SurfaceNoise, FindsTheContoursErrorThatAMeanSquareBelongsTo) {
+    Fixture f;
+    f.noise.set_level({1, 0.4});
+    EXPECT_NEAR(f.noise.contour_mm_for(1.0), 0.4, 1e-12);
+    const double b = 0.2 * 0.2;
+    EXPECT_NEAR(f.noise.contour_mm_for(2.0), std::sqrt(2 * (0.16 + b) - b), 2e-3);
+    EXPECT_EQ(f.noise.contour_mm_for(0.0), 0.0);
+}
+
+}  // namespace
+}  // namespace palpate
