@@ -26,7 +26,7 @@ struct AlignedPoint {
 struct AlignmentResult {
     std::string method;  ///< "fixed", "centroid", "none", "transform"
     RigidTransform reference_to_target;
-    double mean_distance_mm = 0;  ///< of the fixed surfaces after it, if any
+    double mean_distance_mm = 0;            ///< of the fixed surfaces after it, if any
     std::vector<AlignedPoint> points = {};  ///< of those surfaces, with the target's normals
     /// By which the search moved it, within what these points leave open.
     double moved_mm = 0, turned_deg = 0;
