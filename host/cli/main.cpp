@@ -10,6 +10,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/pipeline/version.hpp"
+#include "host/program/blas_kernels.hpp"
 #include "host/program/memory_limit.hpp"
 #include "host/program/run_program.hpp"
 #include "solver/base/error.hpp"
@@ -82,6 +83,7 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    palpate::take_fast_blas_kernels(argv);
     palpate::run_program(
         "palpate", [&] { return parse_and_run(argc, argv); }, palpate::end_progress_line);
 }

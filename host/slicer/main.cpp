@@ -11,6 +11,7 @@
 
 #include "host/imaging/files.hpp"
 #include "host/pipeline/version.hpp"
+#include "host/program/blas_kernels.hpp"
 #include "host/program/interrupt.hpp"
 #include "host/program/memory_limit.hpp"
 #include "host/program/run_program.hpp"
@@ -79,6 +80,7 @@ int parse_and_run(const std::vector<std::string>& words) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
+    palpate::take_fast_blas_kernels(argv);
     palpate::run_program("palpate-slicer", [&] {
         return palpate::parse_and_run({argv + 1, argv + argc});
     });

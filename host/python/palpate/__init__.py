@@ -4,6 +4,7 @@
 
 Lengths in mm, stiffness in kPa, forces in mN, places in LPS patient space. Not a medical device.
 """
+from . import _blas_kernels  # before the library that computes with them is loaded
 from ._core import PalpateError
 from ._core import version as _version
 from .recovery import LabelVolume, Phantom, Result, phantom, recover
