@@ -13,6 +13,8 @@
 namespace palpate {
 namespace {
 
+constexpr double wall_smoothing_mm = 6.0;
+
 std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const ReducedModel& model,
                                          const PriorSettings& prior) {
     std::vector<ModulusPrior> priors;
@@ -22,6 +24,25 @@ std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const Re
                           prior.stiffness_sd_ln});
     }
     return priors;
+}
+
+/// Outward unit normals without what is shorter than `wall_smoothing_mm`: along a crease neighbours
+/// would else be expected to move in directions of their own.
+std::vector<Vec3> smooth_normals(const Surface& surface) {
+    const std::vector<Vec3> rough = vertex_normals(surface);
+    std::vector<Vec3> smooth(rough.size(), Vec3::Zero());
+    constexpr double reach = 3.0 * wall_smoothing_mm;
+    for (std::size_t a = 0; a < rough.size(); ++a) {
+        for (std::size_t b = 0; b < rough.size(); ++b) {
+            const double squared = (surface.vertices[a] - surface.vertices[b]).squaredNorm();
+            if (squared > reach * reach) continue;
+            smooth[a] +=
+                std::exp(-0.5 * squared / (wall_smoothing_mm * wall_smoothing_mm)) * rough[b];
+        }
+        const double length = smooth[a].norm();
+        smooth[a] = length > 0.1 ? Vec3(smooth[a] / length) : rough[a];
+    }
+    return smooth;
 }
 
 }  // namespace
@@ -39,8 +60,10 @@ WallExpectation wall_expectation(const RecoveryModel& recovery, const PriorSetti
     std::vector<Vec3> normals(recovery.model.mesh.nodes.size(), Vec3::Zero());
     for (const ObservedSurface& organ : recovery.surfaces) {
         if (!organ.driven) continue;
-        const std::vector<Vec3> own = vertex_normals(organ.surface);
-        for (std::size_t v = 0; v < own.size(); ++v) normals[organ.node_of[v]] += own[v];
+        // Where two organs touch, theirs are opposite: one of them is enough.
+        const std::vector<Vec3> own = smooth_normals(organ.surface);
+        for (std::size_t v = 0; v < own.size(); ++v)
+            if (normals[organ.node_of[v]].isZero(0)) normals[organ.node_of[v]] = own[v];
     }
     for (const Index node : recovery.driven) {
         const double length = normals[node].norm();
