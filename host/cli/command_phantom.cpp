@@ -86,8 +86,14 @@ void add_phantom(CLI::App& app, Run& run) {
         ->capture_default_str();
     pelvis
         ->add_option("--load-factor", options.load_factor,
-                     "On the walls' motion; with 0 nothing moves")
-        ->check(CLI::Range(0.0, 1.0))
+                     "On the walls' motion; with 0 nothing moves, with -1 it goes the other way")
+        ->check(CLI::Range(-1.0, 1.0))
+        ->capture_default_str();
+    pelvis
+        ->add_option(
+            "--target", options.target,
+            "Number of the target: of one seed each is drawn anew, with the same reference")
+        ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     pelvis
         ->add_option("--tumour-fraction", options.tumour_fraction,

@@ -94,7 +94,8 @@ Deformation deform_finite(const WallProblem& problem, TissueLaw law, double load
     Deformation deformation;
     deformation.load_scale = load_factor;
     std::string message = "elements are crushed";
-    for (; deformation.load_scale >= least_scale * load_factor; deformation.load_scale *= step) {
+    for (; std::abs(deformation.load_scale) >= least_scale * std::abs(load_factor);
+         deformation.load_scale *= step) {
         loads.displacement = deformation.load_scale * problem.prescribed_mm;
         const Equilibrium state = solve_equilibrium(solid, loads, solve, {}, progress);
         message = state.message;

@@ -42,7 +42,8 @@ void check_options(const PelvisOptions& options) {
     check_range("tangential_factor", options.tangential_factor, 0, 10);
     check_range("tumour_fraction", options.tumour_fraction, 0, 0.95);
     check_range("tumour_stiffness_kpa", options.tumour_stiffness_kpa, 1, 10000);
-    check_range("load_factor", options.load_factor, 0, 1);
+    check_range("load_factor", options.load_factor, -1, 1);
+    check_range("target", options.target, 1, 1000);
     if (options.zone_stiffness_kpa) {
         for (const double kpa : *options.zone_stiffness_kpa) {
             check_range("zone_stiffness_kpa", kpa, 1, 10000);
@@ -127,7 +128,7 @@ RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions
 }
 
 /// The label volume of the mesh with its nodes at `nodes`, drawn as `options` say. `image`: 0 for
-/// the reference, 1 for the target, which are drawn independently.
+/// the reference, the number of the target for a target; all are drawn independently.
 RegionImage drawn_image(const RegionMesh& mesh, const std::vector<Vec3>& nodes,
                         const PelvisAnatomy& anatomy, const PelvisOptions& options,
                         Index num_regions, unsigned image) {
@@ -136,7 +137,8 @@ RegionImage drawn_image(const RegionMesh& mesh, const std::vector<Vec3>& nodes,
         return regions_on_grid(mesh, nodes, hollow_regions, grid);
     const Vec3 fine = (0.6 * options.spacing).cwiseMax(0.3).cwiseMin(0.8);
     RegionImage truth = regions_on_grid(mesh, nodes, hollow_regions, grid_of_box(anatomy, fine));
-    const std::uint64_t seed = 2ull * options.seed + image;
+    const std::uint64_t other_targets = image > 1 ? std::uint64_t(image) << 40 : 0;
+    const std::uint64_t seed = 2ull * options.seed + std::min(image, 1u) + other_targets;
     if (!options.zone_stiffness_kpa)
         return drawn_regions(LabelField(truth, num_regions), grid, options.contours, seed);
     // One outline round both zones, and the border between them.
@@ -296,7 +298,7 @@ PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOption
                          phantom.settings);
     };
     phantom.reference = labels(phantom.mesh.mesh.nodes, 0);
-    phantom.target = labels(deformed_nodes(phantom), 1);
+    phantom.target = labels(deformed_nodes(phantom), options.target);
     add_landmarks(phantom, anatomy, options.seed);
 
     PelvisTruth& truth = phantom.truth;

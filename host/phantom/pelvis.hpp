@@ -34,7 +34,8 @@ struct PelvisOptions {
     /// Of transition and peripheral zone, 1..10000, which get labels of their own in place of the
     /// one prostate; empty: one zone of `stiffness_kpa`.
     std::optional<std::array<double, 2>> zone_stiffness_kpa;
-    double load_factor = 1;             ///< on all walls' motion, 0..1; 0: nothing moves
+    double load_factor = 1;  ///< on all walls' motion, -1..1; 0: nothing moves, -1: the other way
+    unsigned target = 1;     ///< 1..1000; each is drawn anew, the reference is drawn alike for all
     TissueLaw law = TissueLaw::linear;  ///< of all tissue
 };
 
