@@ -162,13 +162,8 @@ State Search::state_at(const Position& position, const Counted& counted) const {
 }
 
 double Search::objective_of(const State& state) const {
-    double objective = state.counted->misfit(state.seen.residual_mm) +
-                       walls_->energy(state.driven) + state.counted->energy(state.frame);
-    for (std::size_t k = 0; k < priors_.size(); ++k) {
-        const double z = (state.theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
-        objective += 0.5 * z * z;
-    }
-    return objective;
+    return state.counted->misfit(state.seen.residual_mm) + walls_->energy(state.driven) +
+           state.counted->energy(state.frame) + prior_energy(priors_, state.theta);
 }
 
 State Search::recounted(State state) const {
@@ -523,7 +518,7 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
 
 }  // namespace
 
-void take_uncertainty(const LinearisedProblem& problem, const MapOptions& options,
+void take_uncertainty(const ModulusObjective& problem, const MapOptions& options,
                       MapEstimate& estimate, const ProgressSink& progress) {
     const Eigen::VectorXd& theta = estimate.theta;
     const ModulusBounds bounds = all_bounds(options, problem.num_unknown());

@@ -94,7 +94,7 @@ MapEstimate map_estimate_near(const MapEstimate& earlier, const ResponseModel& m
 
 /// Covariance, profiles and all that is judged by from the inverse problem `problem`, linearised at
 /// the estimate or near it. `progress` is only asked whether to cancel.
-void take_uncertainty(const LinearisedProblem& problem, const MapOptions& options,
+void take_uncertainty(const ModulusObjective& problem, const MapOptions& options,
                       MapEstimate& estimate, const ProgressSink& progress = {});
 
 }  // namespace palpate

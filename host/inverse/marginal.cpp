@@ -20,6 +20,19 @@ std::vector<Index> regions_of(const std::vector<ModulusPrior>& priors) {
 
 }  // namespace
 
+double prior_energy(const std::vector<ModulusPrior>& priors, const Eigen::VectorXd& theta) {
+    double sum = 0;
+    for (std::size_t k = 0; k < priors.size(); ++k)
+        sum += 0.5 * std::pow((theta[k] - priors[k].mean_ln) / priors[k].sd_ln, 2);
+    return sum;
+}
+
+std::vector<double> ModulusObjective::misfits(const std::vector<Eigen::VectorXd>& thetas) const {
+    std::vector<double> values = objectives(thetas);
+    for (std::size_t p = 0; p < thetas.size(); ++p) values[p] -= prior_energy(priors(), thetas[p]);
+    return values;
+}
+
 // The wall motion that is left free by the walls' own data, c = N m + P w with w ~ N(0, 1): all
 // products are made with P, whose rank is below the number of functionals. The rows enter through
 //   I = V^T G_o^T R^-1 G_o V:   B = -R^-1/2 G_o V X = R^-1/2 J P,   B^T B = X^T I X.
@@ -81,36 +94,37 @@ Eigen::MatrixXd LinearisedProblem::spread_of_motions() const {
 
 void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
                                   const Eigen::VectorXd& observed) {
-    std::vector<const LinearRow*> seen;
     for (const auto& row : rows) {
-        if (!row.on_driven) seen.push_back(&row);
+        if (!row.on_driven) observed_.rows.push_back(row);
     }
-    num_rows_ = static_cast<Index>(seen.size());
+    const Index num_rows = num_observed_rows();
     const LinearisationPoint& point = model_.point();
     const Eigen::VectorXd change =
         point.is_rest() ? observed : Eigen::VectorXd(observed - point.observed);
     const Index num_modes = model_.num_modes() + frame_.size();
-    Eigen::MatrixXd seen_modes(num_rows_, num_modes);  // G_o V
-    Eigen::VectorXd target(num_rows_);
-    Eigen::MatrixXd noise(num_rows_, num_rows_);
-    Eigen::VectorXd weights(num_rows_);
-    for (Index j = 0; j < num_rows_; ++j) {
-        const LinearRow& row = *seen[j];
-        seen_modes.row(j).head(model_.num_modes()) =
+    observed_.along_modes.resize(num_rows, num_modes);
+    observed_.target.resize(num_rows);
+    Eigen::MatrixXd noise(num_rows, num_rows);
+    Eigen::VectorXd weights(num_rows);
+    for (Index j = 0; j < num_rows; ++j) {
+        const LinearRow& row = observed_.rows[j];
+        observed_.along_modes.row(j).head(model_.num_modes()) =
             row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
         const FrameMotion turned = frame_.frame.row(row.place, row.normal);
-        seen_modes.row(j).tail(frame_.size()) = turned.head(frame_.size());
-        target[j] = row.normal.dot(change.segment<3>(3 * row.position)) +
-                    turned.dot(frame_.motion) - row.residual_mm;
-        for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, *seen[i]);
+        observed_.along_modes.row(j).tail(frame_.size()) = turned.head(frame_.size());
+        observed_.target[j] = row.normal.dot(change.segment<3>(3 * row.position)) +
+                              turned.dot(frame_.motion) - row.residual_mm;
+        for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, observed_.rows[i]);
         noise(j, j) = noise_variance(row);
         weights[j] = row.weight;
     }
+    Eigen::MatrixXd seen_modes = observed_.along_modes;
+    Eigen::VectorXd target = observed_.target;
     noise_trace_ = weights.dot(noise.diagonal());
     target_squares_ = weights.dot(target.cwiseAbs2());
     squares_.setZero(num_modes, num_modes);
     target_along_modes_.setZero(num_modes);
-    if (num_rows_ > 0 && num_modes > 0) {
+    if (num_rows > 0 && num_modes > 0) {
         const Eigen::MatrixXd weighted = weights.cwiseSqrt().asDiagonal() * seen_modes;
         squares_.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
         squares_.triangularView<Eigen::StrictlyUpper>() = squares_.transpose();
@@ -123,7 +137,7 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
     information_.setZero(num_modes, num_modes);
     pull_of_target_.setZero(num_modes);
     target_misfit_ = target.squaredNorm();
-    if (num_rows_ == 0 || num_modes == 0) return;  // BLAS takes no empty matrices
+    if (num_rows == 0 || num_modes == 0) return;  // BLAS takes no empty matrices
     information_.selfadjointView<Eigen::Lower>().rankUpdate(seen_modes.transpose());
     information_.triangularView<Eigen::StrictlyUpper>() = information_.transpose();
     pull_of_target_ = seen_modes.transpose() * target;
@@ -171,11 +185,9 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
                                                           bool with_gradient) const {
     Evaluation result;
     result.gradient = Eigen::VectorXd::Zero(num_unknown());
-    for (Index k = 0; k < num_unknown(); ++k) {
-        const double z = (theta[k] - priors_[k].mean_ln) / priors_[k].sd_ln;
-        result.objective += 0.5 * z * z;
-        result.gradient[k] = z / priors_[k].sd_ln;
-    }
+    result.objective = prior_energy(priors_, theta);
+    for (Index k = 0; k < num_unknown(); ++k)
+        result.gradient[k] = (theta[k] - priors_[k].mean_ln) / std::pow(priors_[k].sd_ln, 2);
     if (num_observed_rows() == 0) return result;
     if (!is_stable(theta)) {
         result.objective = std::numeric_limits<double>::infinity();
@@ -283,40 +295,46 @@ Eigen::MatrixXd LinearisedProblem::motion_covariance(const Eigen::VectorXd& thet
            seen.transpose() * response.inner.solve(seen);
 }
 
-// J c = -G_o V x, S x = T c: the change of x is S^-1 (T' c - S' x), with c = N m + P w.
-Eigen::MatrixXd LinearisedProblem::seen_information(const Eigen::VectorXd& theta) const {
-    if (num_observed_rows() == 0) return Eigen::MatrixXd::Zero(num_unknown(), num_unknown());
-    const Response response = respond(theta);
-    Eigen::VectorXd motion(rank() + 1);
-    motion << response.motion, 1.0;
-    const Eigen::VectorXd shape = response.shapes.topRows(model_.num_modes()) * motion;
-    Eigen::MatrixXd change = Eigen::MatrixXd::Zero(model_.num_modes(), num_unknown());
+// J c = -G_o V x, S x = T c: the change of x is S^-1 (T' c - S' x), with c = N m + P w; none of the
+// frame's modes.
+Eigen::MatrixXd LinearisedProblem::change_of_shape(const Response& response,
+                                                   const Eigen::VectorXd& motion) const {
+    const Index modes = model_.num_modes();
+    Eigen::VectorXd all(rank() + 1);
+    all << motion, 1.0;
+    const Eigen::VectorXd shape = response.shapes.topRows(modes) * all;
+    Eigen::MatrixXd change = Eigen::MatrixXd::Zero(modes, num_unknown());
     for (Index k = 0; k < num_unknown(); ++k) {
         for (std::size_t r = 0; r < coupling_.size(); ++r) {
             const auto& region = model_.regions()[r];
             if (region.region != unknown_[k]) continue;
             const double kpa = response.kpa[region.region];
             change.col(k) -= kpa * (region.stiffness * shape);
-            if (coupling_[r].size() > 0) change.col(k) += kpa * (coupling_[r] * motion);
+            if (coupling_[r].size() > 0) change.col(k) += kpa * (coupling_[r] * all);
         }
     }
     response.equilibrium.solveInPlace(change);
-    const Index modes = model_.num_modes();
-    const Eigen::MatrixXd unseen =
-        response.informed.topLeftCorner(modes, rank()).transpose() * change;
-    return change.transpose() * information_.topLeftCorner(modes, modes) * change -
-           unseen.transpose() * response.inner.solve(unseen);
+    Eigen::MatrixXd with_frame = Eigen::MatrixXd::Zero(modes + frame_.size(), num_unknown());
+    with_frame.topRows(modes) = change;
+    return with_frame;
 }
 
-std::vector<double> LinearisedProblem::misfits(const std::vector<Eigen::VectorXd>& thetas) const {
-    std::vector<double> values = objectives(thetas);
-    for (std::size_t p = 0; p < thetas.size(); ++p) {
-        for (Index k = 0; k < num_unknown(); ++k) {
-            const double z = (thetas[p][k] - priors_[k].mean_ln) / priors_[k].sd_ln;
-            values[p] -= 0.5 * z * z;
-        }
-    }
-    return values;
+Eigen::MatrixXd LinearisedProblem::shapes(const Eigen::VectorXd& theta) const {
+    return respond(theta).shapes;
+}
+
+Eigen::MatrixXd LinearisedProblem::change_of_shape(const Eigen::VectorXd& theta,
+                                                   const Eigen::VectorXd& motion) const {
+    return change_of_shape(respond(theta), motion);
+}
+
+Eigen::MatrixXd LinearisedProblem::seen_information(const Eigen::VectorXd& theta) const {
+    if (num_observed_rows() == 0) return Eigen::MatrixXd::Zero(num_unknown(), num_unknown());
+    const Response response = respond(theta);
+    const Eigen::MatrixXd change = change_of_shape(response, response.motion);
+    const Eigen::MatrixXd unseen = response.informed.leftCols(rank()).transpose() * change;
+    return change.transpose() * information_ * change -
+           unseen.transpose() * response.inner.solve(unseen);
 }
 
 Eigen::MatrixXd LinearisedProblem::hessian(const Eigen::VectorXd& theta) const {

@@ -43,8 +43,24 @@ public:
     virtual Fit fit(const Eigen::VectorXd& theta) const = 0;
     /// Of F [num unknown, num unknown], symmetric.
     virtual Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const = 0;
+    /// What the motion that is seen says of ln E [num unknown, num unknown]: D^T C^-1 D with
+    /// D = d(J c)/dtheta at the most probable wall motion c. It is a part of the curvature of F;
+    /// the other part rests on the spread of motions that nobody saw, that is on their prior.
+    virtual Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const = 0;
     virtual const std::vector<ModulusPrior>& priors() const = 0;
     Index num_unknown() const { return static_cast<Index>(priors().size()); }
+    /// F less the prior of the moduli: minus the log likelihood of the observed rows.
+    std::vector<double> misfits(const std::vector<Eigen::VectorXd>& thetas) const;
+};
+
+/// The prior's part of F.
+double prior_energy(const std::vector<ModulusPrior>& priors, const Eigen::VectorXd& theta);
+
+/// The distances of one target's observed surfaces, linearised.
+struct ObservedRows {
+    std::vector<LinearRow> rows;
+    Eigen::MatrixXd along_modes;  ///< G_o V [rows, modes]
+    Eigen::VectorXd target;       ///< y [rows] mm
 };
 
 /// The inverse problem with the surface distances linearised at one driven displacement, and the
@@ -78,8 +94,6 @@ public:
     /// On all cores.
     std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const override;
     Fit fit(const Eigen::VectorXd& theta) const override;
-    /// F less the prior of the moduli: minus the log likelihood of the observed rows.
-    std::vector<double> misfits(const std::vector<Eigen::VectorXd>& thetas) const;
     /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
     /// at theta, all data seen; functionals [driven_dofs, n].
     Eigen::MatrixXd motion_covariance(const Eigen::VectorXd& theta,
@@ -87,15 +101,20 @@ public:
     /// Central differences of the gradient, symmetrised.
     Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const override;
 
-    /// What the motion that is seen says of ln E [num unknown, num unknown]: D^T C^-1 D with
-    /// D = d(J c)/dtheta at the most probable wall motion c. It is a part of the curvature of F;
-    /// the other part rests on the spread of motions that nobody saw, that is on their prior.
-    Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const;
+    Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const override;
+
+    // For several problems together (JointProblem), in the modes of the rows:
+    const ObservedRows& observed_rows() const { return observed_; }
+    /// [X | s] with J P = -G_o V X and y - e = -G_o V s [modes, rank + 1].
+    Eigen::MatrixXd shapes(const Eigen::VectorXd& theta) const;
+    /// The change of X w + s with ln E, the free motion w [rank] held [modes, num unknown].
+    Eigen::MatrixXd change_of_shape(const Eigen::VectorXd& theta,
+                                    const Eigen::VectorXd& motion) const;
 
     /// Of the free wall motion: how many combinations of functionals the walls leave open, and the
     /// six motions of a frame that is unknown.
     Index rank() const { return static_cast<Index>(spread_root_.cols()); }
-    Index num_observed_rows() const { return num_rows_; }
+    Index num_observed_rows() const { return static_cast<Index>(observed_.rows.size()); }
     double noise_log_determinant() const { return noise_log_determinant_; }  ///< ln det R
     const std::vector<ModulusPrior>& priors() const override { return priors_; }
 
@@ -105,6 +124,7 @@ private:
     Eigen::MatrixXd spread_of_motions() const;
     bool is_stable(const Eigen::VectorXd& theta) const;
     Response respond(const Eigen::VectorXd& theta) const;
+    Eigen::MatrixXd change_of_shape(const Response& response, const Eigen::VectorXd& motion) const;
     void add_gradient(const Response& response, Eigen::VectorXd& gradient) const;
 
     const ResponseModel& model_;
@@ -113,9 +133,8 @@ private:
     WallPosterior walls_;
     std::vector<ModulusPrior> priors_;
     std::vector<Index> unknown_;  ///< regions of `priors_`
-    // Of the observed rows only products are kept, weighted by R^-1: no evaluation touches the
-    // rows.
-    Index num_rows_ = 0;
+    ObservedRows observed_;
+    // Their products, weighted by R^-1: no evaluation touches the rows.
     // V has the modes of the model and then, if the frame is unknown, its six motions.
     Eigen::MatrixXd information_;       ///< V^T G_o^T R^-1 G_o V [modes, modes]
     Eigen::VectorXd pull_of_target_;    ///< V^T G_o^T R^-1 y [modes]

@@ -6,10 +6,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace palpate {
 
-Eigen::MatrixXd laplace_covariance(const LinearisedProblem& problem, const Eigen::VectorXd& theta) {
+Eigen::MatrixXd laplace_covariance(const ModulusObjective& problem, const Eigen::VectorXd& theta) {
     const Eigen::MatrixXd hessian = problem.hessian(theta);
     if (hessian.size() == 0) return hessian;
     double floor = 1e300;
@@ -25,7 +26,7 @@ double profile_half_width(const Eigen::MatrixXd& covariance, Index unknown) {
     return 4.0 * std::sqrt(covariance(unknown, unknown));
 }
 
-ProfileResult profile_of(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
+ProfileResult profile_of(const ModulusObjective& problem, const Eigen::VectorXd& theta,
                          const Eigen::MatrixXd& covariance, Index unknown) {
     constexpr int half_points = 5;
     const double half_width = profile_half_width(covariance, unknown);
@@ -92,7 +93,7 @@ ScaledSensitivity scaled_sensitivity(const Eigen::MatrixXd& information,
             eigen.eigenvectors().rowwise().reverse()};
 }
 
-std::array<bool, 2> excluded_ends(const LinearisedProblem& problem, const Eigen::VectorXd& theta,
+std::array<bool, 2> excluded_ends(const ModulusObjective& problem, const Eigen::VectorXd& theta,
                                   const Eigen::MatrixXd& covariance, Index unknown,
                                   const ModulusBounds& bounds) {
     const Eigen::VectorXd alone = Eigen::VectorXd::Unit(theta.size(), unknown);
@@ -113,8 +114,15 @@ std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa,
     return {best_kpa * std::exp(-below), best_kpa * std::exp(above)};
 }
 
-std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa) {
-    return with_further_sd(interval_kpa, best_kpa, model_sd_ln);
+double model_sd_ln_with(double contour_mm) {
+    const double per_image = contour_mm / std::numbers::sqrt2;
+    return std::min(most_model_sd_ln,
+                    std::hypot(model_sd_ln, model_sd_ln_per_contour_mm * per_image));
+}
+
+std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa,
+                                       double contour_mm) {
+    return with_further_sd(interval_kpa, best_kpa, model_sd_ln_with(contour_mm));
 }
 
 }  // namespace palpate

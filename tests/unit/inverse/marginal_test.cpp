@@ -11,59 +11,12 @@
 
 #include "host/inverse/modulus_search.hpp"
 #include "host/inverse/uncertainty.hpp"
+#include "tests/fixtures/small_problem.hpp"
 
 namespace palpate {
 namespace {
 
-/// Three regions with random definite blocks: background (1, known) and two unknown organs (2, 3)
-/// that share node 2.
-struct Fixture {
-    static constexpr Index num_observed = 5, num_driven = 4;
-    std::mt19937 random{7};
-    std::normal_distribution<double> normal;
-    ReducedModel model{regions(), num_observed, num_driven, {0, 10, 60, 60}};
-    Eigen::VectorXd driven = noise(3 * num_driven);
-    Eigen::VectorXd observed = noise(3 * num_observed);
-    WallPrior walls{diagonal(num_driven, 0.2)};
-    std::vector<LinearRow> rows = make_rows();
-    std::vector<ModulusPrior> priors{{2, std::log(60.0), 1.2}, {3, std::log(60.0), 1.2}};
-
-    Eigen::VectorXd noise(Index n) {
-        return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
-    }
-    static Eigen::SparseMatrix<double> diagonal(Index n, double value) {
-        Eigen::SparseMatrix<double> matrix(n, n);
-        matrix.setIdentity();
-        return value * matrix;
-    }
-    CondensedRegion region(Index number, std::vector<Index> on, std::vector<Index> dn) {
-        CondensedRegion result{number, on, dn, {}, {}};
-        const Index n = 3 * static_cast<Index>(on.size());
-        Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
-        result.observed_observed = root * root.transpose() / n + Eigen::MatrixXd::Identity(n, n);
-        result.observed_driven = Eigen::MatrixXd::NullaryExpr(n, 3 * static_cast<Index>(dn.size()),
-                                                              [&] { return normal(random); });
-        return result;
-    }
-    std::vector<CondensedRegion> regions() {
-        return {region(1, {0, 1, 2, 3, 4}, {0, 1, 2, 3}), region(2, {0, 1, 2}, {}),
-                region(3, {2, 3, 4}, {1, 3})};
-    }
-    std::vector<LinearRow> make_rows() {
-        std::vector<LinearRow> result(num_driven + num_observed);
-        for (Index k = 0; k < num_driven + num_observed; ++k) {
-            LinearRow& row = result[k];
-            row.on_driven = k < num_driven;
-            row.position = row.on_driven ? k : k - num_driven;
-            row.normal = Vec3(noise(3)).normalized();
-            row.residual_mm = normal(random);
-            row.independent_mm = row.on_driven ? 0.3 : 0.4;
-        }
-        return result;
-    }
-    ResponseModel response = ResponseModel::exact(model, walls);
-    LinearisedProblem problem() const { return {response, walls, rows, driven, observed, priors}; }
-};
+using Fixture = SmallProblem;
 
 TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
     // Straight from the definition with dense inverses: y ~ N(J m, R + J H^-1 J^T).
@@ -459,6 +412,14 @@ TEST(Uncertainty, ModelErrorAddsInQuadratureOnBothSides) {
     const double expected = 1.96 * std::sqrt(sd * sd + model_sd_ln * model_sd_ln);
     EXPECT_NEAR(std::log(widened[1] / 80), expected, 1e-12);
     EXPECT_NEAR(std::log(widened[0] / 80), -expected, 1e-12);
+}
+
+TEST(Uncertainty, ModelErrorGrowsWithTheContours) {
+    EXPECT_DOUBLE_EQ(model_sd_ln_with(0), model_sd_ln);
+    const double half_a_millimetre_each = 0.5 * std::sqrt(2.0);
+    EXPECT_NEAR(model_sd_ln_with(half_a_millimetre_each),
+                std::hypot(model_sd_ln, 0.5 * model_sd_ln_per_contour_mm), 1e-12);
+    EXPECT_DOUBLE_EQ(model_sd_ln_with(50), most_model_sd_ln);
 }
 
 }  // namespace

@@ -42,6 +42,9 @@ public:
         if (is_bad()) exact(0, 1) = bad_;
         return exact;
     }
+    Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const override {
+        return hessian(theta);
+    }
     const std::vector<ModulusPrior>& priors() const override { return priors_; }
 
 private:
