@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <optional>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
@@ -11,7 +12,9 @@
 #include "host/cli/partial_target_options.hpp"
 #include "host/cli/time_limit.hpp"
 #include "host/pipeline/landmarks.hpp"
+#include "host/pipeline/plan.hpp"
 #include "host/pipeline/recover.hpp"
+#include "host/pipeline/repeated_contours.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
 #include "host/program/interrupt.hpp"
 #include "host/report/result_folder.hpp"
@@ -24,6 +27,7 @@ namespace {
 
 struct RecoverArguments {
     std::string reference, config, out, mesh, transform, save_reduced, load_reduced;
+    std::string repeated_reference;  ///< the reference's image, segmented once more
     std::vector<std::string> targets;
     PartialTargetArguments partial;
     ImageArguments images;
@@ -36,7 +40,8 @@ struct RecoverArguments {
     double search_time_s = 0, time_limit_s = 0;
     std::vector<std::string> landmarks;  ///< a file for each state
     bool landmarks_ras = false;
-    bool overwrite = false, quiet = false, keep_file_names = false;
+    bool overwrite = false, quiet = false, keep_file_names = false, is_plan = false;
+    PlanOptions plan;
 };
 
 RecoverOptions recover_options(const RecoverArguments& arguments) {
@@ -76,6 +81,23 @@ void write(const RecoverArguments& arguments, RecoveryResult& result, const Pati
     write_result(result, folder, writing);
 }
 
+/// The contours' error between the reference and its repetition, if there is one, into the
+/// settings.
+void measure_contours(const RecoverArguments& arguments, const Segmentation& reference,
+                      RecoverOptions& options, const ProgressSink& progress) {
+    if (arguments.repeated_reference.empty()) return;
+    std::optional<double>& sd_mm = options.settings.prior.contour_sd_mm;
+    if (sd_mm)
+        throw Error(ErrorCode::invalid_argument,
+                    "--repeated-reference measures what contour_sd_mm in the settings gives; set "
+                    "it to \"unknown\" or leave the file out");
+    report_progress(progress, "contours", 0, "comparing the reference with its repetition");
+    sd_mm = contour_sd_of(reference, read_segmentation(arguments.repeated_reference, progress),
+                          options.settings);
+    report_progress(progress, "contours", 1,
+                    fmt::format("the two are off by {:.2f} mm each", *sd_mm));
+}
+
 int exit_code_for(const RecoveryResult& result) {
     return result.termination.converged ? 0 : exit_code_not_converged;
 }
@@ -88,13 +110,14 @@ std::vector<Segmentation> read_targets(const RecoverArguments& arguments,
     return targets;
 }
 
-int recover_one(const RecoverArguments& arguments, const RecoverOptions& options,
+int recover_one(const RecoverArguments& arguments, RecoverOptions options,
                 const ProgressSink& progress) {
     const bool partial = has_shapes(arguments.partial);
     const PartialTarget shapes = partial ? partial_target(arguments.partial) : PartialTarget{};
     report_progress(progress, "reading", 0,
                     partial ? "reading the segmentation" : "reading both segmentations");
     const Segmentation reference = read_segmentation(arguments.reference, progress);
+    measure_contours(arguments, reference, options, progress);
     const std::vector<Segmentation> targets = read_targets(arguments, progress);
     PatientImages images;
     images.reference =
@@ -117,7 +140,7 @@ int worse(int a, int b) {
 }
 
 /// One result folder per target, and the table of all, which grows as they are done.
-int recover_several(const RecoverArguments& arguments, const RecoverOptions& options,
+int recover_several(const RecoverArguments& arguments, RecoverOptions options,
                     const std::vector<std::string>& names, const ProgressSink& progress) {
     const std::filesystem::path folder = arguments.out;
     std::vector<TargetRow> rows;
@@ -129,6 +152,7 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
     };
     report_progress(progress, "reading", 0, "reading the segmentations");
     const Segmentation reference = read_segmentation(arguments.reference, progress);
+    measure_contours(arguments, reference, options, progress);
     const std::vector<Segmentation> targets = read_targets(arguments, progress);
     PatientImages images;
     images.reference =
@@ -137,25 +161,50 @@ int recover_several(const RecoverArguments& arguments, const RecoverOptions& opt
         return read_target_image(arguments.images, k, options.settings, targets[k], progress);
     };
     for (std::size_t k = 0; k < targets.size(); ++k) target_image(k);  // to refuse it early
-    recover_all(
-        reference, targets, options,
-        [&](std::size_t k, RecoveryResult result, double seconds) {
-            images.target = target_image(k);
-            write(arguments, result, images, folder / names[k], progress);
-            images.target.reset();
-            add(target_row(names[k], result, seconds), exit_code_for(result));
-        },
-        progress,
-        [&](std::size_t k, const Error& error) {
-            add(failed_row(names[k], error.what()), exit_code_of(error.code()));
-        });
+    recover_all(reference, targets, options,
+                {[&](std::size_t k, RecoveryResult result, double seconds) {
+                     images.target = target_image(k);
+                     write(arguments, result, images, folder / names[k], progress);
+                     images.target.reset();
+                     add(target_row(names[k], result, seconds), exit_code_for(result));
+                 },
+                 [&](std::size_t k, const Error& error) {
+                     add(failed_row(names[k], error.what()), exit_code_of(error.code()));
+                 },
+                 [&](std::vector<RegionResult> regions, std::size_t num_targets, double seconds) {
+                     add(joint_row(std::move(regions), num_targets, seconds), 0);
+                 }},
+                progress);
     end_progress_line();
     fmt::print("{}\nreports: {}/*/report.html, table: {}/{}\n", targets_table(rows), arguments.out,
                arguments.out, targets_file_name);
     return exit_code;
 }
 
+/// Nothing is written: what targets would tell is for the terminal.
+int run_plan(const RecoverArguments& arguments) {
+    if (!arguments.targets.empty() || has_shapes(arguments.partial))
+        throw Error(ErrorCode::invalid_argument,
+                    "--plan is for a reference alone; give no target, or leave --plan out");
+    RecoverOptions options = recover_options(arguments);
+    const TimeLimit limit(arguments.time_limit_s);
+    const auto progress = limit.watched(console_progress(arguments.quiet));
+    const std::vector<PlanRow> rows = plan_recovery(
+        read_segmentation(arguments.reference, progress), options, arguments.plan, progress);
+    end_progress_line();
+    fmt::print(
+        "Upper over lower end of the 95 % interval to expect, if walls move by {:g} mm and the\n"
+        "contours of each image are {:g} mm off:\n\n{}\n"
+        "Targets fuller and emptier than the reference tell more than as many on one side: the\n"
+        "error of the reference's contours cancels. Motion counts with its square.\n",
+        arguments.plan.motion_mm, arguments.plan.contour_mm, plan_table(rows));
+    return 0;
+}
+
 int run_recover(const RecoverArguments& arguments) {
+    if (arguments.is_plan) return run_plan(arguments);
+    if (arguments.out.empty())
+        throw Error(ErrorCode::invalid_argument, "--out is required; see `palpate recover --help`");
     check_one_kind_of_target(arguments.targets, arguments.partial);
     check_images(arguments.images, arguments.targets.size());
     if (arguments.targets.size() > 1 && !arguments.landmarks.empty())
@@ -209,7 +258,7 @@ void add_recover(CLI::App& app, Run& run) {
                         "Label volume, state two; of several, each gets a numbered folder in "
                         "--out; instead of it: --target-surface, --target-points");
     command->add_option("--config", arguments->config, "Organs and their roles (TOML)")->required();
-    command->add_option("--out", arguments->out, "Result folder, made new")->required();
+    command->add_option("--out", arguments->out, "Result folder, made new; needed but for --plan");
     command->add_flag("--overwrite", arguments->overwrite,
                       "Replace an older result folder or --save-reduced file");
     CLI::Option* align =
@@ -224,6 +273,24 @@ void add_recover(CLI::App& app, Run& run) {
                      "Rigid ITK transform (.tfm .txt .h5) from reference to target points, used "
                      "instead of --align")
         ->excludes(align);
+    CLI::Option* plan = command->add_flag(
+        "--plan", arguments->is_plan,
+        "Tell what interval to expect of how many targets, from the reference alone");
+    command
+        ->add_option("--plan-motion", arguments->plan.motion_mm,
+                     "How far driven walls will move, mm along their normals")
+        ->check(CLI::Range(0.1, 50.0))
+        ->needs(plan)
+        ->capture_default_str();
+    command
+        ->add_option("--plan-contours", arguments->plan.contour_mm,
+                     "How far contours will be off in each image, mm (standard deviation)")
+        ->check(CLI::Range(0.0, 5.0))
+        ->needs(plan)
+        ->capture_default_str();
+    command->add_option("--repeated-reference", arguments->repeated_reference,
+                        "The reference's image segmented once more, independently: measures how "
+                        "far contours are off (contour_sd_mm)");
     add_partial_target_options(*command, arguments->partial);
     add_image_options(*command, arguments->images);
     command

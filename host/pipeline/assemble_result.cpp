@@ -13,6 +13,7 @@
 #include "host/modelling/regions.hpp"
 #include "host/pipeline/deformation.hpp"
 #include "host/pipeline/finish.hpp"
+#include "host/pipeline/judged_modulus.hpp"
 #include "host/pipeline/observed_target.hpp"
 #include "host/pipeline/surface_agreement.hpp"
 #include "host/pipeline/version.hpp"
@@ -38,13 +39,6 @@ std::vector<Held> held_nodes(const RecoveryModel& recovery) {
     for (const Index node : recovery.fixed) held[node] = Held::fixed;
     for (const Index node : recovery.driven) held[node] = Held::driven;
     return held;
-}
-
-bool has_known_tissue(const Settings& settings) {
-    if (settings.background) return true;
-    return std::any_of(settings.organs.begin(), settings.organs.end(), [](const auto& organ) {
-        return !organ.hollow && organ.stiffness_kpa.has_value();
-    });
 }
 
 RegionResult background_result(const Settings& settings) {
@@ -80,64 +74,24 @@ std::vector<SensitivityResult> sensitivity_of(const ScaledSensitivity& sensitivi
     return results;
 }
 
-/// The evidence on unknown `k`, its strongest partner among the other unknown moduli included.
-ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
-    const Index row = static_cast<Index>(k);
-    const double best_kpa = std::exp(estimate.theta[row]);
-    ModulusEvidence evidence;
-    evidence.interval_kpa = with_model_error(estimate.interval_kpa[k], best_kpa);
-    evidence.sd_ln = std::hypot(std::sqrt(estimate.covariance(row, row)), model_sd_ln);
-    evidence.prior_sd_ln = estimate.unknown[k].sd_ln;
-    evidence.seen_sd_ln = estimate.seen_sd_ln[row];
-    evidence.excludes_soft = estimate.excluded_ends[k][0];
-    evidence.excludes_stiff = estimate.excluded_ends[k][1];
-    const auto correlation = correlation_of(estimate.covariance)[k];
-    for (std::size_t other = 0; other < correlation.size(); ++other) {
-        if (other == k || std::abs(correlation[other]) <= std::abs(evidence.partner_correlation))
-            continue;
-        evidence.partner_correlation = correlation[other];
-        evidence.partner = name_of_region(settings, estimate.unknown[other].region);
-    }
-    return evidence;
-}
-
-/// Ends that the images do not give are the prior's.
-std::array<double, 2> honest_interval(const ModulusEvidence& evidence, const Verdict& verdict,
-                                      double median_kpa) {
-    auto ends = with_prior_ends(evidence.interval_kpa, median_kpa, evidence.prior_sd_ln);
-    if (verdict.verdict == "not identifiable") return ends;
-    if (evidence.excludes_soft) ends[0] = evidence.interval_kpa[0];
-    if (evidence.excludes_stiff) ends[1] = evidence.interval_kpa[1];
-    return ends;
-}
-
 void describe_unknown(const Recovered& found, const Settings& settings, RegionResult& result) {
     const auto& estimate = found.estimate;
     result.unknown = true;
     result.stiffness_kpa = found.recovery.model.materials[result.region].stiffness_kpa;
-    Verdict verdict = judge_unobserved(result.role == "driven");
+    const Verdict verdict = judge_unobserved(result.role == "driven");
+    result.verdict = verdict.verdict;
+    result.reason = verdict.reason;
     result.sd_ln = settings.prior.stiffness_sd_ln;
     result.interval_kpa = with_prior_ends({result.stiffness_kpa, result.stiffness_kpa},
                                           result.stiffness_kpa, result.sd_ln);
     for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
         if (estimate.unknown[k].region != result.region) continue;
-        if (estimate.interval_kpa.empty()) {
-            result.sd_ln = std::numeric_limits<double>::quiet_NaN();
-            result.interval_kpa = {result.sd_ln, result.sd_ln};
-            verdict = not_judged("nested-lbfgs");
-            continue;
-        }
-        const ModulusEvidence evidence = evidence_of(estimate, k, settings);
-        verdict = judge(evidence);
-        result.interval_kpa =
-            honest_interval(evidence, verdict, std::exp(estimate.unknown[k].mean_ln));
-        result.sd_ln = verdict.verdict == "not identifiable"
-                           ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
-                           : evidence.sd_ln;
+        judge_modulus(estimate, k, settings, result);
     }
-    if (!has_known_tissue(settings)) verdict = judge_without_reference();
-    result.verdict = verdict.verdict;
-    result.reason = verdict.reason;
+    if (has_known_tissue(settings)) return;
+    const Verdict without = judge_without_reference();
+    result.verdict = without.verdict;
+    result.reason = without.reason;
 }
 
 /// Everything that was allowed, for a region whose ratio moves nothing that is seen.

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pipeline/recover.hpp"
-#include "host/pipeline/landmarks.hpp"
 
 #include <fmt/core.h>
 
@@ -10,6 +9,8 @@
 #include <utility>
 
 #include "host/imaging/io.hpp"
+#include "host/pipeline/joint_estimate.hpp"
+#include "host/pipeline/landmarks.hpp"
 #include "host/pipeline/partial_target.hpp"
 #include "host/pipeline/poisson_ratios.hpp"
 #include "host/pipeline/prepared.hpp"
@@ -25,9 +26,10 @@ void add_warnings(const char* which, const LabelledState& state, RecoveryResult&
 
 RecoveryResult recover_target(const PreparedReference& prepared, TargetState& target,
                               std::future<TargetShapes> shapes, const RecoverOptions& options,
-                              StageTimer timer, const ProgressSink& progress) {
+                              StageTimer timer, JointTarget& joint, const ProgressSink& progress) {
     const Recovered found =
         search_target(prepared, target, std::move(shapes), options, timer, progress);
+    joint = joint_target(found.estimate);
     target.alignment = found.alignment;
     timer.start("volumes");
     report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
@@ -107,20 +109,28 @@ double seconds_after(const StageTimer& shared, const RecoveryResult& result) {
     return sum;
 }
 
-/// Who is told what.
-struct Listeners {
-    const ResultSink& result;
-    const ProgressSink& progress;
-    const FailureSink& failed;
-};
+/// Whether what targets leave can be put together: mechanics that are the same for all.
+bool can_join(const RecoverOptions& options, const Mechanics& mechanics) {
+    return options.method == SearchMethod::map && options.law == TissueLaw::linear &&
+           mechanics.recovery.unknown_ratio.empty();
+}
+
+void join(const std::vector<JointTarget>& targets, const RecoverOptions& options,
+          const JointSink& tell, const ProgressSink& progress) {
+    StageTimer timer;
+    timer.start("joint");
+    std::vector<RegionResult> regions =
+        joint_estimate(targets, options.settings, options.search, progress);
+    timer.stop();
+    if (!regions.empty()) tell(std::move(regions), targets.size(), timer.times_s()[0].second);
+}
 
 /// Brings the targets into the frame of the reference, whose surfaces are known by then.
 using Align = std::function<std::vector<TargetState>(const ReferenceState& reference)>;
 
 void recover_aligned(LabelledState reference, std::optional<SavedReference> saved,
                      const Align& align, const RecoverOptions& options, StageTimer& timer,
-                     const Listeners& tell) {
-    const ProgressSink& progress = tell.progress;
+                     const TargetSinks& tell, const ProgressSink& progress) {
     ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
     timer.start("aligning");
     std::vector<TargetState> aligned = align(state);
@@ -130,6 +140,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
     save(prepared, options, timer, progress);
     timer.stop();
 
+    std::vector<JointTarget> searched;
     for (std::size_t k = 0; k < aligned.size(); ++k) {
         if (aligned.size() > 1) {
             report_progress(progress, fmt::format("target {}", k + 1), 0,
@@ -138,8 +149,10 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
         std::future<TargetShapes> shapes = std::move(next);
         if (k + 1 < aligned.size()) next = start_target_shapes(aligned[k + 1], options.settings);
         try {
-            RecoveryResult result =
-                recover_target(prepared, aligned[k], std::move(shapes), options, timer, progress);
+            JointTarget joint;
+            RecoveryResult result = recover_target(prepared, aligned[k], std::move(shapes), options,
+                                                   timer, joint, progress);
+            if (joint.problem) searched.push_back(std::move(joint));
             const double seconds = seconds_after(timer, result);
             tell.result(k, std::move(result), seconds);
         } catch (const Error& error) {
@@ -147,6 +160,8 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
             tell.failed(k, error);
         }
     }
+    if (tell.joint && searched.size() > 1 && can_join(options, prepared.mechanics))
+        join(searched, options, tell.joint, progress);
 }
 
 }  // namespace
@@ -159,8 +174,8 @@ Segmentation read_segmentation(const std::filesystem::path& path, const Progress
 }
 
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
-                 const RecoverOptions& options, const ResultSink& sink,
-                 const ProgressSink& progress, const FailureSink& failed) {
+                 const RecoverOptions& options, const TargetSinks& tell,
+                 const ProgressSink& progress) {
     check_unknown_ratios(options);
     check_tissue_law(options);
     StageTimer timer;
@@ -178,8 +193,8 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
         }
         return aligned;
     };
-    recover_aligned(std::move(reference_state), std::move(saved), align, options, timer,
-                    {sink, progress, failed});
+    recover_aligned(std::move(reference_state), std::move(saved), align, options, timer, tell,
+                    progress);
 }
 
 RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
@@ -199,16 +214,16 @@ RecoveryResult recover(const Segmentation& reference, const PartialTarget& targe
     RecoveryResult only;
     const auto keep = [&](std::size_t, RecoveryResult result, double) { only = std::move(result); };
     recover_aligned(make_state(reference, options.settings), std::move(saved), place, options,
-                    timer, {keep, progress, {}});
+                    timer, {keep}, progress);
     return only;
 }
 
 RecoveryResult recover(const Segmentation& reference, const Segmentation& target,
                        const RecoverOptions& options, const ProgressSink& progress) {
     RecoveryResult only;
-    recover_all(
-        reference, {target}, options,
-        [&](std::size_t, RecoveryResult result, double) { only = std::move(result); }, progress);
+    recover_all(reference, {target}, options,
+                {[&](std::size_t, RecoveryResult result, double) { only = std::move(result); }},
+                progress);
     return only;
 }
 

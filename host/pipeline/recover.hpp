@@ -81,6 +81,18 @@ using ResultSink =
 /// Receives the error that ended the work on one target.
 using FailureSink = std::function<void(std::size_t target, const Error& error)>;
 
+/// Receives the regions whose modulus was found from all targets together, their moduli, intervals
+/// and verdicts filled, the number of targets that took part and the seconds that it took.
+using JointSink =
+    std::function<void(std::vector<RegionResult> regions, std::size_t num_targets, double seconds)>;
+
+/// Who is told what of several targets.
+struct TargetSinks {
+    ResultSink result;
+    FailureSink failed = {};  ///< empty: errors of one target go to the caller
+    JointSink joint = {};     ///< empty: no joint estimate
+};
+
 /// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section
 /// 1). Throws Error with the codes of each station, Error(invalid_argument) for options that do not
 /// go together; not converging is reported in the result.
@@ -97,10 +109,10 @@ RecoveryResult recover(const Segmentation& reference, const PartialTarget& targe
 
 /// The same for several targets of one reference, which is meshed and condensed once. All targets
 /// are read and aligned before that, so that a wrong one is told early. An Error while one target
-/// is searched or its sink runs goes to `failed`, and the next target follows; without `failed`, to
-/// the caller.
+/// is searched or its sink runs goes to `failed`, and the next target follows. Where two targets or
+/// more were searched by `map`, with the linear law and given ratios, a joint estimate follows.
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
-                 const RecoverOptions& options, const ResultSink& sink,
-                 const ProgressSink& progress = {}, const FailureSink& failed = {});
+                 const RecoverOptions& options, const TargetSinks& tell,
+                 const ProgressSink& progress = {});
 
 }  // namespace palpate

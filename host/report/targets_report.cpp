@@ -74,6 +74,12 @@ TargetRow target_row(std::string name, const RecoveryResult& result, double seco
     return row;
 }
 
+TargetRow joint_row(std::vector<RegionResult> regions, std::size_t num_targets, double seconds) {
+    return {joint_row_name, std::move(regions), true, seconds,
+            fmt::format("of {} targets together, the contours of the reference common to all",
+                        num_targets)};
+}
+
 TargetRow failed_row(std::string name, const std::string& message) {
     return {std::move(name), {}, false, std::numeric_limits<double>::quiet_NaN(), message};
 }
@@ -121,7 +127,7 @@ std::string targets_csv(const std::vector<TargetRow>& rows) {
 }
 
 std::vector<std::string> target_folder_names(const std::vector<std::filesystem::path>& targets) {
-    std::set<std::string> taken{targets_file_name};
+    std::set<std::string> taken{targets_file_name, joint_row_name};
     std::vector<std::string> names;
     for (const auto& target : targets) {
         std::string stem = without_endings(target);

@@ -10,6 +10,9 @@
 
 namespace palpate {
 
+/// The line of the tables of all targets that is no target's.
+constexpr const char* joint_row_name = "joint";
+
 /// One of several targets of a run, as the tables of all targets list it.
 struct TargetRow {
     std::string name;                   ///< of its result folder
@@ -20,6 +23,8 @@ struct TargetRow {
 };
 
 TargetRow target_row(std::string name, const RecoveryResult& result, double seconds);
+/// What all targets together tell (recover_all).
+TargetRow joint_row(std::vector<RegionResult> regions, std::size_t num_targets, double seconds);
 TargetRow failed_row(std::string name, const std::string& message);
 
 /// For a terminal: a line per target and unknown region, then the notes. Ends with a newline.

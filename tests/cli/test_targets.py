@@ -37,12 +37,58 @@ def test_every_target_gets_its_folder_and_its_lines(two):
     assert {entry.name for entry in (folder / "out").iterdir()} == {"target", "still", "targets.csv"}
     with open(folder / "out" / "targets.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["target"] for row in rows] == ["target", "still"]
+    assert [row["target"] for row in rows] == ["target", "still", "joint"]
     assert float(rows[0]["stiffness_kpa"]) == pytest.approx(prostate_kpa(folder / "out" / "target"))
     assert float(rows[0]["low_kpa"]) < float(rows[0]["stiffness_kpa"]) < float(rows[0]["high_kpa"])
     assert rows[1]["verdict"] in ("weak", "not identifiable")
     for word in ("Target", "prostate", "still", rows[0]["verdict"], "targets.csv"):
         assert word in finished.stdout
+
+
+def test_what_all_targets_tell_is_the_last_line(two):
+    folder, finished = two
+    with open(folder / "out" / "targets.csv", newline="") as file:
+        target, _, joint = csv.DictReader(file)
+    # A state in which nothing moved tells nothing: the joint estimate is that of the other one, or close.
+    assert float(target["low_kpa"]) < float(joint["stiffness_kpa"]) < float(target["high_kpa"])
+    assert float(joint["low_kpa"]) < float(joint["stiffness_kpa"]) < float(joint["high_kpa"])
+    assert joint["verdict"] and joint["region"] == "prostate" and "2 targets together" in joint["note"]
+    assert "joint: of 2 targets together" in finished.stdout
+
+
+def test_a_plan_tells_that_both_sides_tell_more(phantom):
+    finished = run_palpate("recover", phantom / "reference.nii.gz", "--config", phantom / "organs.toml", "--plan",
+                           "--plan-motion", 4, "--nodes", 2500, "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    lines = [line for line in finished.stdout.splitlines() if line.startswith("prostate")]
+    assert len(lines) == 3
+    for line in lines:
+        one, two, four, both, both_of_four = (float(word) for word in line.split(" x ")[1:])
+        assert one > two > four > both_of_four > 1 and two > both > both_of_four
+
+
+def test_a_plan_of_more_motion_and_better_contours_expects_more(phantom):
+    factors = []
+    for more in (["--plan-motion", 2], ["--plan-motion", 6], ["--plan-motion", 6, "--plan-contours", 0.1]):
+        finished = run_palpate("recover", phantom / "reference.nii.gz", "--config", phantom / "organs.toml", "--plan",
+                               "--nodes", 2500, "--quiet", *more)
+        assert finished.returncode == 0, finished.stderr
+        line = next(line for line in finished.stdout.splitlines() if line.startswith("prostate"))
+        factors.append(float(line.split(" x ")[1]))
+    assert factors[0] > factors[1] > factors[2]
+
+
+@pytest.mark.parametrize("more, word", [(["--plan-motion", 3], "--plan"), ([], "--out is required")])
+def test_what_belongs_to_a_plan_or_does_not_is_told(phantom, more, word):
+    finished = run_palpate("recover", phantom / "reference.nii.gz", phantom / "target.nii.gz", "--config",
+                           phantom / "organs.toml", *more)
+    assert finished.returncode == 2 and word in finished.stderr, finished.stderr
+
+
+def test_a_plan_takes_no_target(phantom):
+    finished = run_palpate("recover", phantom / "reference.nii.gz", phantom / "target.nii.gz", "--config",
+                           phantom / "organs.toml", "--plan")
+    assert finished.returncode == 2 and "reference alone" in finished.stderr, finished.stderr
 
 
 def test_a_saved_reduced_model_gives_the_same_modulus_without_meshing(phantom, two, tmp_path):

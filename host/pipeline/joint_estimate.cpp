@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/pipeline/joint_estimate.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "host/inverse/joint_problem.hpp"
+#include "host/inverse/modulus_search.hpp"
+#include "host/modelling/regions.hpp"
+#include "host/pipeline/judged_modulus.hpp"
+
+namespace palpate {
+
+JointTarget joint_target(const MapEstimate& estimate) {
+    return {estimate.posterior, estimate.walls, estimate.response, estimate.noise_level};
+}
+
+std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets,
+                                         const Settings& settings, const MapOptions& options,
+                                         const ProgressSink& progress) {
+    MapEstimate all;
+    all.unknown = targets.front().problem->priors();
+    if (all.unknown.empty()) return {};
+    report_progress(progress, "joint", 0, fmt::format("{} targets together", targets.size()));
+    std::vector<std::shared_ptr<const LinearisedProblem>> problems;
+    for (const JointTarget& target : targets) {
+        problems.push_back(target.problem);
+        all.noise_level.contour_mm += target.noise.contour_mm / double(targets.size());
+    }
+    const JointProblem problem(std::move(problems));
+    const ModulusBounds bounds = same_bounds(problem.num_unknown(), std::log(options.smallest_kpa),
+                                             std::log(options.largest_kpa));
+    all.theta = minimise_moduli(problem, scan_moduli(problem, bounds), bounds).theta;
+    take_uncertainty(problem, options, all, progress);
+    // What wrong contours do to the model shrinks as what they do to the distances.
+    all.noise_level.contour_mm *= std::sqrt(problem.share_of_one(all.theta));
+    std::vector<RegionResult> regions;
+    for (std::size_t k = 0; k < all.unknown.size(); ++k) {
+        RegionResult region;
+        region.region = all.unknown[k].region;
+        region.name = name_of_region(settings, region.region);
+        region.unknown = true;
+        region.stiffness_kpa = std::exp(all.theta[k]);
+        judge_modulus(all, k, settings, region);
+        regions.push_back(std::move(region));
+    }
+    return regions;
+}
+
+}  // namespace palpate

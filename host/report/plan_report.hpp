@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// What a set of targets would tell of one modulus.
+struct PlannedInterval {
+    int fuller = 1;    ///< targets with walls moved outwards
+    int emptier = 0;   ///< and as far the other way
+    double sd_ln = 0;  ///< expected standard deviation of ln E, the model's error included
+};
+
+/// One organ, supposed to be as stiff as this.
+struct PlanRow {
+    std::string region;
+    double supposed_kpa = 0;
+    double moved_mm = 0;  ///< root mean square of its surface
+    std::vector<PlannedInterval> intervals;
+};
+
+/// Upper over lower end of a 95 % interval.
+double interval_factor(const PlannedInterval& interval);
+
+/// For a terminal: a line for each row, a column for each set of targets. Ends with a newline.
+std::string plan_table(const std::vector<PlanRow>& rows);
+
+}  // namespace palpate
