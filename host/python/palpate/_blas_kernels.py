@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
-"""OpenBLAS that is older than the processor computes with kernels for the oldest one, several times slower: palpate's
-library is loaded with OPENBLAS_CORETYPE naming kernels that the processor can run, if nobody else named any."""
+"""OpenBLAS that is older than the processor computes with kernels for the oldest one, several times slower: NumPy, whose
+OpenBLAS may be the same one, and palpate's library are loaded with OPENBLAS_CORETYPE naming kernels that the processor
+can run, if nobody else named any. Too late where NumPy was imported before and has that OpenBLAS."""
 import os
-
-import numpy  # noqa: F401  has a BLAS of its own, which is to choose for itself
 
 CHOICE = "OPENBLAS_CORETYPE"
 KERNELS = {"SkylakeX": {"avx512f", "avx512dq", "avx512bw", "avx512vl"}, "Haswell": {"avx2", "fma"}}
@@ -22,11 +21,12 @@ def _load() -> None:
     able = _processor_can()
     name = next((name for name, needed in KERNELS.items() if needed <= able), None)
     if name is None or CHOICE in os.environ:
-        from . import _core  # noqa: F401
         return
     os.environ[CHOICE] = name
     try:
-        from . import _core  # noqa: F401,F811
+        import numpy  # noqa: F401
+
+        from . import _core  # noqa: F401
     finally:
         del os.environ[CHOICE]
 
