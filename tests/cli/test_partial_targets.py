@@ -108,7 +108,7 @@ def test_half_a_surface_carries_data_on_its_half_only(phantom, half_prostate, tm
     report = recovered(phantom, tmp_path / "out", *shapes("--target-surface", files))
     assert 0.35 < named(report, "surfaces", "prostate")["seen_share"] < 0.65
     assert named(report, "surfaces", "prostate")["mean_distance_mm_after"] < 0.5
-    assert_near_truth(report, 0.25)
+    assert_near_truth(report, 0.35)
 
 
 @pytest.fixture(scope="module")
