@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "host/inverse/anderson.hpp"
@@ -138,6 +139,8 @@ private:
     std::shared_ptr<const ResponseModel> model_;
     std::shared_ptr<const WallPrior> walls_;
     bool are_walls_fitted_ = false;
+    /// At the moduli of the last state; that walls are fitted does not change it.
+    mutable std::optional<std::pair<Eigen::VectorXd, ResponseModel::Equilibrium>> equilibrium_;
     const SurfaceObservations& observations_;
     SurfaceNoise noise_;
     Counted held_;  ///< of an earlier estimate: these rows count, with their noise. Empty: a fresh
@@ -153,8 +156,14 @@ private:
 State Search::state_at(const Position& position, const Counted& counted) const {
     std::vector<Index> unknown;
     for (const auto& prior : priors_) unknown.push_back(prior.region);
-    const auto kpa = model_->moduli(unknown, position.theta);
-    State state{position, model_->observed_displacement(kpa, position.driven), {}, counted, 0};
+    if (!equilibrium_ || equilibrium_->first != position.theta)
+        equilibrium_ = {position.theta,
+                        model_->equilibrium_at(model_->moduli(unknown, position.theta))};
+    State state{position,
+                model_->observed_displacement(equilibrium_->second, position.driven),
+                {},
+                counted,
+                0};
     state.seen = observations_.evaluate(state.driven, state.observed, state.frame);
     if (!counted) return recounted(std::move(state));
     state.objective = objective_of(state);

@@ -37,8 +37,8 @@ std::vector<double> ModulusObjective::misfits(const std::vector<Eigen::VectorXd>
 // products are made with P, whose rank is below the number of functionals. The rows enter through
 //   I = V^T G_o^T R^-1 G_o V:   B = -R^-1/2 G_o V X = R^-1/2 J P,   B^T B = X^T I X.
 struct LinearisedProblem::Response {
-    std::vector<double> kpa;                  // by region
-    Eigen::LLT<Eigen::MatrixXd> equilibrium;  // of S(E)
+    std::vector<double> kpa;    // by region
+    ModeStiffness equilibrium;  // S(E)
     // [X | s] = S^-1 T [P | N m], below it the frame's part, [modes + 6, rank + 1]
     Eigen::MatrixXd shapes;
     Eigen::MatrixXd informed;           // I [X | s]
@@ -146,14 +146,13 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
 LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& theta) const {
     Response response;
     response.kpa = model_.moduli(unknown_, theta);
-    response.equilibrium =
-        cholesky(model_.stiffness(response.kpa), "stiffness of the observed nodes");
+    response.equilibrium = model_.factorised_stiffness(response.kpa);
     Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(model_.num_modes(), rank() + 1);
     for (std::size_t r = 0; r < coupling_.size(); ++r) {
         if (coupling_[r].size() == 0) continue;
         forces += response.kpa[model_.regions()[r].region] * coupling_[r];
     }
-    response.equilibrium.solveInPlace(forces);
+    response.equilibrium.solve_in_place(forces);
     response.shapes.resize(forces.rows() + frame_.size(), forces.cols());
     response.shapes << forces, frame_shapes_;
     response.informed = information_ * response.shapes;
@@ -177,8 +176,7 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
 /// Tissue at rest is, whatever its moduli.
 bool LinearisedProblem::is_stable(const Eigen::VectorXd& theta) const {
     if (model_.point().is_rest()) return true;
-    const Eigen::LLT<Eigen::MatrixXd> factor(model_.stiffness(model_.moduli(unknown_, theta)));
-    return factor.info() == Eigen::Success;
+    return model_.is_stable(model_.moduli(unknown_, theta));
 }
 
 LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd& theta,
@@ -255,8 +253,12 @@ void LinearisedProblem::add_gradient(const Response& response, Eigen::VectorXd& 
     adjoint.leftCols(rank()) = -response.inner.solve(informed.transpose()).transpose();
     adjoint.leftCols(rank()) -= pull * response.motion.transpose();
     adjoint.col(rank()) = -pull;
-    response.equilibrium.solveInPlace(adjoint);
-    const Eigen::MatrixXd moment = adjoint * response.shapes.topRows(modes).transpose();
+    response.equilibrium.solve_in_place(adjoint);
+    const auto shapes = response.shapes.topRows(modes);
+    const bool is_diagonal = num_unknown() == 1 && model_.is_diagonal_in(unknown_[0]);
+    const Eigen::MatrixXd moment =
+        is_diagonal ? Eigen::MatrixXd(adjoint.cwiseProduct(shapes).rowwise().sum().asDiagonal())
+                    : Eigen::MatrixXd(adjoint * shapes.transpose());
     for (Index k = 0; k < num_unknown(); ++k) {
         for (std::size_t r = 0; r < coupling_.size(); ++r) {
             const auto& region = model_.regions()[r];
@@ -313,7 +315,7 @@ Eigen::MatrixXd LinearisedProblem::change_of_shape(const Response& response,
             if (coupling_[r].size() > 0) change.col(k) += kpa * (coupling_[r] * all);
         }
     }
-    response.equilibrium.solveInPlace(change);
+    response.equilibrium.solve_in_place(change);
     Eigen::MatrixXd with_frame = Eigen::MatrixXd::Zero(modes + frame_.size(), num_unknown());
     with_frame.topRows(modes) = change;
     return with_frame;

@@ -146,14 +146,16 @@ Eigen::VectorXd ReducedModel::observed_displacement(const std::vector<double>& k
     return point_.observed - equilibrium.solve(moved + imbalance(kpa));
 }
 
+void throw_indefinite(const char* what, Index rows) {
+    throw Error(ErrorCode::solve_failed,
+                fmt::format("the {} is not positive definite ({} rows): the mesh or the moduli "
+                            "are unusable; try another mesh size",
+                            what, rows));
+}
+
 Eigen::LLT<Eigen::MatrixXd> cholesky(const Eigen::MatrixXd& matrix, const char* what) {
     Eigen::LLT<Eigen::MatrixXd> factor(matrix);
-    if (factor.info() != Eigen::Success) {
-        throw Error(ErrorCode::solve_failed,
-                    fmt::format("the {} is not positive definite ({} rows): the mesh or the moduli "
-                                "are unusable; try another mesh size",
-                                what, matrix.rows()));
-    }
+    if (factor.info() != Eigen::Success) throw_indefinite(what, static_cast<Index>(matrix.rows()));
     return factor;
 }
 

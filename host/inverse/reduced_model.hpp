@@ -76,5 +76,7 @@ private:
 
 /// Cholesky factor of a dense symmetric matrix; Error(solve_failed) naming `what` if it fails.
 Eigen::LLT<Eigen::MatrixXd> cholesky(const Eigen::MatrixXd& matrix, const char* what);
+/// Throws Error(solve_failed) as `cholesky` does.
+[[noreturn]] void throw_indefinite(const char* what, Index rows);
 
 }  // namespace palpate

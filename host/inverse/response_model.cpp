@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/inverse/response_model.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -38,6 +39,7 @@ ResponseModel::ResponseModel(Parts parts) : parts_(std::move(parts)) {
     if (!fit_together(parts_)) {
         throw Error(ErrorCode::invalid_argument, "the parts of a response model do not fit");
     }
+    find_diagonal();
 }
 
 std::vector<double> ResponseModel::moduli(const std::vector<Index>& regions,
@@ -66,6 +68,43 @@ Eigen::MatrixXd ResponseModel::stiffness(const std::vector<double>& kpa) const {
     return sum;
 }
 
+/// Whether what is off the diagonal is rounding.
+void ResponseModel::find_diagonal() {
+    constexpr double rounding = 1e-8;
+    diagonal_.reset();
+    for (std::size_t r = 0; r < parts_.regions.size() && !diagonal_; ++r) {
+        const Eigen::MatrixXd& own = parts_.regions[r].stiffness;
+        if (own.size() == 0 || !own.isDiagonal(0)) continue;
+        std::vector<double> kpa = parts_.stiffness_kpa;
+        kpa[parts_.regions[r].region] = 0;
+        const Eigen::MatrixXd rest = stiffness(kpa);
+        if (rest.isDiagonal(rounding)) diagonal_ = {r, own.diagonal(), rest.diagonal(), kpa};
+    }
+}
+
+bool ResponseModel::is_diagonal_at(const std::vector<double>& kpa) const {
+    if (!diagonal_) return false;
+    std::vector<double> others = kpa;
+    others[parts_.regions[diagonal_->part].region] = 0;
+    return others == diagonal_->kpa;
+}
+
+ModeStiffness ResponseModel::factor_of(const std::vector<double>& kpa) const {
+    if (!is_diagonal_at(kpa)) return ModeStiffness(stiffness(kpa));
+    const double own = kpa[parts_.regions[diagonal_->part].region];
+    return ModeStiffness(Eigen::VectorXd(diagonal_->rest + own * diagonal_->of_part));
+}
+
+ModeStiffness ResponseModel::factorised_stiffness(const std::vector<double>& kpa) const {
+    ModeStiffness factor = factor_of(kpa);
+    if (!factor.is_definite()) throw_indefinite("stiffness of the observed nodes", num_modes());
+    return factor;
+}
+
+bool ResponseModel::is_stable(const std::vector<double>& kpa) const {
+    return factor_of(kpa).is_definite();
+}
+
 Eigen::MatrixXd ResponseModel::coupling(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_functionals());
     for (const Region& part : parts_.regions) {
@@ -80,15 +119,20 @@ Eigen::VectorXd ResponseModel::motion_of(const Eigen::VectorXd& driven) const {
     return parts_.functionals * (driven - parts_.point.driven);
 }
 
-Eigen::VectorXd ResponseModel::observed_displacement(const std::vector<double>& kpa,
+ResponseModel::Equilibrium ResponseModel::equilibrium_at(const std::vector<double>& kpa) const {
+    if (num_modes() == 0) return {};
+    Equilibrium equilibrium{factorised_stiffness(kpa), coupling(kpa),
+                            Eigen::VectorXd::Zero(num_modes())};
+    for (const Region& part : parts_.regions)
+        if (part.force.size() > 0) equilibrium.force += kpa[part.region] * part.force;
+    return equilibrium;
+}
+
+Eigen::VectorXd ResponseModel::observed_displacement(const Equilibrium& equilibrium,
                                                      const Eigen::VectorXd& driven) const {
     if (num_modes() == 0) return Eigen::VectorXd::Zero(observed_dofs());
-    const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
-    Eigen::VectorXd force = coupling(kpa) * motion_of(driven);
-    for (const Region& part : parts_.regions) {
-        if (part.force.size() > 0) force += kpa[part.region] * part.force;
-    }
-    const Eigen::VectorXd change = -(parts_.modes * equilibrium.solve(force));
+    const Eigen::VectorXd force = equilibrium.coupling * motion_of(driven) + equilibrium.force;
+    const Eigen::VectorXd change = -(parts_.modes * equilibrium.stiffness.solve(force));
     return parts_.point.is_rest() ? change : Eigen::VectorXd(parts_.point.observed + change);
 }
 
@@ -143,6 +187,8 @@ public:
         }
         project();
         test();
+        if (unknown_.size() == 1) make_diagonal();
+        result_.find_diagonal();
         return std::move(result_);
     }
 
@@ -290,6 +336,32 @@ private:
             }
             parts_.left_out_mm = std::max(parts_.left_out_mm, left_out);
         }
+    }
+
+    /// Modes in which the stiffness of the unknown region and of all together are diagonal.
+    void make_diagonal() {
+        Eigen::MatrixXd all = Eigen::MatrixXd::Zero(result_.num_modes(), result_.num_modes());
+        const Moduli middle = moduli_at(0.5);
+        ResponseModel::Region* own = nullptr;
+        for (ResponseModel::Region& part : parts_.regions) {
+            all += middle[part.region] * part.stiffness;
+            if (part.region == unknown_[0]) own = &part;
+        }
+        if (!own || all.size() == 0) return;
+        check_cancelled(progress_);
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own->stiffness, all);
+        if (eigen.info() != Eigen::Success) return;
+        check_cancelled(progress_);
+        const Eigen::MatrixXd& turned = eigen.eigenvectors();
+        parts_.modes = (parts_.modes * turned).eval();
+        for (ResponseModel::Region& part : parts_.regions) {
+            if (part.force.size() > 0) part.force = (turned.transpose() * part.force).eval();
+            if (part.coupling.size() > 0)
+                part.coupling = (turned.transpose() * part.coupling).eval();
+            if (&part == own) continue;
+            part.stiffness = (turned.transpose() * part.stiffness * turned).eval();
+        }
+        own->stiffness = eigen.eigenvalues().asDiagonal();
     }
 
     double left_out_at(const Moduli& kpa, const Eigen::MatrixXd& walls) const {

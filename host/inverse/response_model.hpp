@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
+#include "host/inverse/mode_stiffness.hpp"
 #include "host/inverse/reduced_model.hpp"
 #include "host/inverse/wall_prior.hpp"
 #include "solver/base/log.hpp"
@@ -32,6 +34,8 @@ struct ResponseOptions {
 /// against the condensed model. Functionals are scaled to unit prior variance: N Q^-1 N^T = 1.
 /// Of mechanics that were linearised at (u_d*, u_o*) it is
 ///   u_o = u_o* - V S(E)^-1 (T(E) c + g(E)),  c = N (u_d - u_d*).
+/// With one unknown modulus E_u the modes are those in which S is diagonal whatever it is: the
+/// solutions of S_u v = lambda S(E*) v at one E_u*, so that S = 1 + (E_u - E_u*) diag(lambda).
 class ResponseModel {
 public:
     struct Region {
@@ -92,21 +96,52 @@ public:
     std::vector<double> moduli(const std::vector<Index>& regions,
                                const Eigen::VectorXd& theta) const;
     Eigen::MatrixXd stiffness(const std::vector<double>& kpa) const;
+    /// S(E), factorised. Throws Error(solve_failed) where it is not positive definite.
+    ModeStiffness factorised_stiffness(const std::vector<double>& kpa) const;
+    /// Whether S(E) is positive definite.
+    bool is_stable(const std::vector<double>& kpa) const;
+    /// Whether S_r of this region is diagonal, as is S(E) where no other modulus changes.
+    bool is_diagonal_in(Index region) const {
+        return diagonal_ && parts_.regions[diagonal_->part].region == region;
+    }
     Eigen::MatrixXd coupling(const std::vector<double>& kpa) const;
     const LinearisationPoint& point() const { return parts_.point; }
     /// c [functionals] of a wall motion u_d [driven_dofs] mm.
     Eigen::VectorXd motion_of(const Eigen::VectorXd& driven) const;
+    /// What moduli make of S c = f: S factorised, for any number of motions.
+    struct Equilibrium {
+        ModeStiffness stiffness;
+        Eigen::MatrixXd coupling;
+        Eigen::VectorXd force;
+    };
+    Equilibrium equilibrium_at(const std::vector<double>& kpa) const;
     /// u_o [observed_dofs] for a wall motion, mm.
-    Eigen::VectorXd observed_displacement(const std::vector<double>& kpa,
+    Eigen::VectorXd observed_displacement(const Equilibrium& equilibrium,
                                           const Eigen::VectorXd& driven) const;
+    Eigen::VectorXd observed_displacement(const std::vector<double>& kpa,
+                                          const Eigen::VectorXd& driven) const {
+        return observed_displacement(equilibrium_at(kpa), driven);
+    }
 
     const Parts& parts() const { return parts_; }
 
 private:
     friend class ResponseBuilder;
+    /// S = diag(rest + E of_part), the moduli of all other regions as they were when it was found.
+    struct Diagonal {
+        std::size_t part = 0;  ///< in `regions`
+        Eigen::VectorXd of_part, rest;
+        std::vector<double> kpa;
+    };
+
     ResponseModel() = default;
+    void find_diagonal();
+    /// The moduli of `diagonal_`?
+    bool is_diagonal_at(const std::vector<double>& kpa) const;
+    ModeStiffness factor_of(const std::vector<double>& kpa) const;
 
     Parts parts_;
+    std::optional<Diagonal> diagonal_;
 };
 
 }  // namespace palpate

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "host/inverse/reduced_model.hpp"
@@ -149,6 +148,7 @@ FramePrior SurfaceNoise::frame() const {
 
 void SurfaceNoise::set_level(const NoiseLevel& level) {
     level_ = level;
+    plain_.clear();
     for (std::size_t k = 0; k < rows_.size(); ++k) {
         const Observation& seen = observations_->rows()[k];
         rows_[k].independent_mm = level_.scale * seen.independent_mm;
@@ -157,6 +157,7 @@ void SurfaceNoise::set_level(const NoiseLevel& level) {
 }
 
 void SurfaceNoise::take_terraces(const ObservedState& state) {
+    plain_.clear();
     const std::vector<Terraces> terraces = observations_->terraces(state);
     for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k].terraces = terraces[k];
 }
@@ -175,7 +176,7 @@ double SurfaceNoise::contour_mm_for(double factor) const {
 }
 
 std::shared_ptr<const CountedRows> SurfaceNoise::count(const ObservedState& state) const {
-    std::map<std::pair<Index, bool>, CountedRows::Group> by_surface;
+    std::map<Surface, CountedRows::Group> by_surface;
     for (std::size_t k = 0; k < rows_.size(); ++k) {
         if (!state.seen[k]) continue;
         CountedRows::Group& group = by_surface[{rows_[k].surface, rows_[k].on_driven}];
@@ -184,47 +185,78 @@ std::shared_ptr<const CountedRows> SurfaceNoise::count(const ObservedState& stat
     }
     auto counted = std::make_shared<CountedRows>();
     counted->frame_ = frame();
-    for (auto& [surface, group] : by_surface) counted->groups_.push_back(std::move(group));
+    std::vector<std::shared_ptr<const Plain>*> plains;
+    for (auto& [surface, group] : by_surface) {
+        plains.push_back(&plain_[surface]);
+        counted->groups_.push_back(std::move(group));
+    }
     const SerialBlas serial;
     parallel_ranges(static_cast<Index>(counted->groups_.size()), 1, [&](Index begin, Index end) {
         for (Index g = begin; g < end; ++g) {
             CountedRows::Group& group = counted->groups_[g];
+            std::shared_ptr<const Plain>& known = *plains[g];
+            if (!known || known->observations != group.observations)
+                known = std::make_shared<const Plain>(plain(group));
             const Eigen::VectorXd residual = state.residual_mm(group.observations);
-            group = inflated(std::move(group), residual);
+            group = inflated(std::move(group), *known, residual);
         }
     });
     return counted;
 }
 
-CountedRows::Group SurfaceNoise::inflated(CountedRows::Group group,
-                                          const Eigen::VectorXd& residual) const {
+SurfaceNoise::Plain SurfaceNoise::plain(const CountedRows::Group& group) {
+    Plain result{group.observations, correlated_part(group.rows), {}, {}};
+    Eigen::MatrixXd covariance = result.shared;
+    for (std::size_t k = 0; k < group.rows.size(); ++k)
+        covariance(k, k) += std::pow(group.rows[k].independent_mm, 2);
+    result.covariance = cholesky(covariance, "covariance of the noise");
+    Eigen::MatrixXd root = Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols());
+    result.covariance.matrixL().solveInPlace(root);
+    result.precision = root.colwise().squaredNorm();
+    return result;
+}
+
+CountedRows::Group SurfaceNoise::inflated(CountedRows::Group group, const Plain& plain,
+                                          const Eigen::VectorXd& residual) {
     const Index n = static_cast<Index>(group.rows.size());
-    Eigen::MatrixXd shared = correlated_part(group.rows);
     Eigen::VectorXd alone(n), extra = Eigen::VectorXd::Zero(n);
     for (Index k = 0; k < n; ++k) alone[k] = std::pow(group.rows[k].independent_mm, 2);
-    const Eigen::VectorXd before = alone + shared.diagonal();
-    if (shared.isZero(0)) group.alone_mm = alone.cwiseSqrt();
+    if (plain.shared.isZero(0)) group.alone_mm = alone.cwiseSqrt();
+    Eigen::VectorXd precision = plain.precision;  // diagonal of (R + X)^-1, X = diag(extra)
+    Eigen::VectorXd pull = plain.covariance.solve(residual);
+    const Eigen::VectorXd plain_pull = pull;
+    for (int pass = 0; pass < outlier_passes; ++pass) {
+        const Eigen::VectorXd last = extra;
+        std::vector<Index> outliers;
+        for (Index k = 0; k < n; ++k) {
+            const double own = 1.0 / precision[k] - last[k];  // given its neighbours
+            const double z = pull[k] / precision[k] / std::sqrt(own);
+            extra[k] = own * (beyond_limit(z) - 1.0);
+            if (extra[k] > 0) outliers.push_back(k);
+        }
+        if (extra == last) break;
+        // Woodbury: (R + X)^-1 = P - P_S (X_S^-1 + P_SS)^-1 P_S^T, P = R^-1, S the outliers
+        Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(n, outliers.size());
+        for (std::size_t s = 0; s < outliers.size(); ++s) columns(outliers[s], s) = 1.0;
+        plain.covariance.solveInPlace(columns);
+        Eigen::MatrixXd inner = columns(outliers, Eigen::all);
+        for (std::size_t s = 0; s < outliers.size(); ++s) inner(s, s) += 1.0 / extra[outliers[s]];
+        const Eigen::MatrixXd weights = inner.llt().solve(columns.transpose());
+        precision = plain.precision - columns.cwiseProduct(weights.transpose()).rowwise().sum();
+        pull = plain_pull - weights.transpose() * plain_pull(outliers);
+    }
+    Eigen::MatrixXd shared = plain.shared;
     const auto factorise = [&] {
         Eigen::MatrixXd covariance = shared;
         covariance.diagonal() += alone + extra;
         group.covariance = cholesky(covariance, "covariance of the noise");
     };
-    factorise();
-    for (int pass = 0; pass < outlier_passes; ++pass) {
-        Eigen::MatrixXd root = Eigen::MatrixXd::Identity(n, n);
-        group.covariance.matrixL().solveInPlace(root);
-        const Eigen::VectorXd precision = root.colwise().squaredNorm();
-        const Eigen::VectorXd pull = group.covariance.solve(residual);
-        const Eigen::VectorXd last = extra;
-        for (Index k = 0; k < n; ++k) {
-            const double own = 1.0 / precision[k] - last[k];  // given its neighbours
-            const double z = pull[k] / precision[k] / std::sqrt(own);
-            extra[k] = own * (beyond_limit(z) - 1.0);
-        }
-        if (extra == last) break;
+    if (extra.isZero(0)) {
+        group.covariance = plain.covariance;
+    } else {
         factorise();
     }
-    const Eigen::VectorXd smooth = shared * group.covariance.solve(residual);
+    const Eigen::VectorXd smooth = shared * pull;
     Eigen::VectorXd factor(n);
     for (Index k = 0; k < n; ++k) {
         const double sd = std::sqrt(shared(k, k));
@@ -236,10 +268,11 @@ CountedRows::Group SurfaceNoise::inflated(CountedRows::Group group,
     }
     for (Index k = 0; k < n; ++k) {
         LinearRow& row = group.rows[k];
+        const double before = noise_variance(row);
         row.independent_mm = std::sqrt(alone[k] + extra[k]);
         row.terraces.waves *= factor[k];
         row.contour_mm *= factor[k];
-        row.weight = std::pow(before[k] / noise_variance(row), 2);
+        row.weight = std::pow(before / noise_variance(row), 2);
     }
     return group;
 }

@@ -4,7 +4,9 @@
 
 #include <Eigen/Cholesky>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "host/inverse/linear_row.hpp"
@@ -79,11 +81,23 @@ public:
     FramePrior frame() const;
 
 private:
+    /// What a group's noise is without outliers, the same until the level or the terraces change.
+    struct Plain {
+        std::vector<Index> observations;
+        Eigen::MatrixXd shared;  ///< S
+        Eigen::LLT<Eigen::MatrixXd> covariance;
+        Eigen::VectorXd precision;  ///< diagonal of R^-1
+    };
+    using Surface = std::pair<Index, bool>;  ///< and whether its nodes are driven
+
     void read_frame(const FrameEvidence& evidence);
-    CountedRows::Group inflated(CountedRows::Group group, const Eigen::VectorXd& residual) const;
+    static Plain plain(const CountedRows::Group& group);
+    static CountedRows::Group inflated(CountedRows::Group group, const Plain& plain,
+                                       const Eigen::VectorXd& residual);
 
     const SurfaceObservations* observations_;
     NoiseLevel level_;
+    mutable std::map<Surface, std::shared_ptr<const Plain>> plain_;  ///< of the last count
     std::vector<LinearRow> rows_;  ///< without normals and residuals
     /// Parts of the frame's covariance: of unit independent noise, of terraces, of unit contours.
     FramePrior::Covariance by_points_, by_terraces_, by_contours_;

@@ -76,16 +76,15 @@ void WallPosterior::find_frame(const FramePrior& frame) {
 void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven, const FramePrior& frame) {
     const Index n = static_cast<Index>(part.rows.size());
     if (n == 0) return;
-    Eigen::MatrixXd gram(n, n);
+    Eigen::Matrix<double, Eigen::Dynamic, 3> normals(n, 3);
+    for (Index j = 0; j < n; ++j) normals.row(j) = part.rows[j].normal;
+    Eigen::MatrixXd gram = part.wall->covariance_along(part.place, normals);
     Eigen::VectorXd& wanted = part.wanted;
     wanted.resize(n);
     for (Index j = 0; j < n; ++j) {
         const LinearRow& row = part.rows[j];
-        for (Index i = j; i < n; ++i) {
-            gram(i, j) = part.wall->covariance_along(part.place[i], part.rows[i].normal,
-                                                     part.place[j], row.normal) +
-                         (i == j ? noise_variance(row) : noise_covariance(part.rows[i], row));
-        }
+        for (Index i = j; i < n; ++i)
+            gram(i, j) += i == j ? noise_variance(row) : noise_covariance(part.rows[i], row);
         wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
                     frame.frame.row(row.place, row.normal).dot(frame.motion) - row.residual_mm;
     }

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -90,19 +91,50 @@ Eigen::MatrixXd normal_numbers(Eigen::Index rows, Eigen::Index columns, unsigned
 
 }  // namespace
 
+Eigen::MatrixXd WallPrior::Wall::covariance_along(
+    const std::vector<Index>& at,
+    const Eigen::Matrix<double, Eigen::Dynamic, 3>& directions) const {
+    const Eigen::MatrixXd together = covariance(at, at);
+    if (normals.rows() == 0) return together.cwiseProduct(directions * directions.transpose());
+    const Eigen::Matrix<double, Eigen::Dynamic, 3> at_normals = normals(at, Eigen::all);
+    const Eigen::VectorXd along = at_normals.cwiseProduct(directions).rowwise().sum();
+    const Eigen::MatrixXd across =
+        tangential * (directions - at_normals.cwiseProduct(along.replicate<1, 3>()));
+    Eigen::MatrixXd as_body(at.size(), 6);
+    for (std::size_t k = 0; k < at.size(); ++k)
+        as_body.row(k) = directions.row(k) * rigid.middleRows<3>(3 * at[k]);
+    return together.cwiseProduct(along * along.transpose() + across * across.transpose()) +
+           as_body * as_body.transpose();
+}
+
 Eigen::MatrixXd WallPrior::Wall::times(const Eigen::MatrixXd& x) const {
     if (normals.rows() == 0) return covariance * x;
-    const Eigen::VectorXd along = normals.cwiseProduct(x).rowwise().sum();
-    const Eigen::MatrixXd across = x - normals.cwiseProduct(along.replicate<1, 3>());
-    const Eigen::VectorXd out = covariance * along;
-    const Eigen::MatrixXd slid = tangential * tangential * (covariance * across);
-    const Eigen::VectorXd left = out - normals.cwiseProduct(slid).rowwise().sum();
-    Eigen::MatrixXd result = slid + normals.cwiseProduct(left.replicate<1, 3>());
-    Eigen::Matrix<double, 6, 1> as_body = Eigen::Matrix<double, 6, 1>::Zero();
-    for (Index k = 0; k < x.rows(); ++k)
-        as_body += rigid.middleRows<3>(3 * k).transpose() * x.row(k).transpose();
-    for (Index k = 0; k < x.rows(); ++k)
-        result.row(k) += (rigid.middleRows<3>(3 * k) * as_body).transpose();
+    const Index motions = static_cast<Index>(x.cols()) / 3;
+    const auto component = [&](const Eigen::MatrixXd& of, int c) {
+        return of.middleCols(c * motions, motions);
+    };
+    // The motion along the normals, N^T x, and what is left of it, P x.
+    const auto along_normals = [&](const Eigen::MatrixXd& of) {
+        Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(of.rows(), motions);
+        for (int c = 0; c < 3; ++c) sum += normals.col(c).asDiagonal() * component(of, c);
+        return sum;
+    };
+    const auto add_along = [&](const Eigen::MatrixXd& along, Eigen::MatrixXd& to) {
+        for (int c = 0; c < 3; ++c)
+            to.middleCols(c * motions, motions) += normals.col(c).asDiagonal() * along;
+    };
+    const Eigen::MatrixXd along = along_normals(x);
+    Eigen::MatrixXd across = x;
+    add_along(-along, across);
+    Eigen::MatrixXd result = tangential * tangential * (covariance * across);
+    add_along(covariance * along - along_normals(result), result);
+    Eigen::MatrixXd as_body = Eigen::MatrixXd::Zero(6, motions);
+    std::array<Eigen::MatrixXd, 3> bodies;  // E of each component
+    for (int c = 0; c < 3; ++c) {
+        bodies[c] = rigid(Eigen::seqN(c, x.rows(), 3), Eigen::all);
+        as_body += bodies[c].transpose() * component(x, c);
+    }
+    for (int c = 0; c < 3; ++c) result.middleCols(c * motions, motions) += bodies[c] * as_body;
     return result;
 }
 
@@ -187,20 +219,7 @@ double WallPrior::energy(const Eigen::VectorXd& u) const {
 
 Eigen::MatrixXd WallPrior::covariance_times(const Eigen::MatrixXd& x) const {
     Eigen::MatrixXd result(x.rows(), x.cols());
-    for (const Wall& wall : walls_) {
-        if (wall.normals.rows() == 0) {
-            scatter(wall.covariance * gather(x, wall.nodes), wall.nodes, result);
-            continue;
-        }
-        Eigen::MatrixXd column(wall.nodes.size(), 3);
-        for (Index c = 0; c < x.cols(); ++c) {
-            for (std::size_t k = 0; k < wall.nodes.size(); ++k)
-                column.row(k) = x.col(c).segment<3>(3 * wall.nodes[k]);
-            column = wall.times(column);
-            for (std::size_t k = 0; k < wall.nodes.size(); ++k)
-                result.col(c).segment<3>(3 * wall.nodes[k]) = column.row(k);
-        }
-    }
+    for (const Wall& wall : walls_) scatter(wall.times(gather(x, wall.nodes)), wall.nodes, result);
     return result;
 }
 

@@ -37,18 +37,12 @@ public:
         /// E [3 nodes, 6] mm, of unit standard deviation each; empty as the normals.
         Eigen::Matrix<double, Eigen::Dynamic, 6> rigid = {};
 
-        /// Between the motion of node i along a and that of node j along b, mm^2.
-        double covariance_along(Index i, const Vec3& a, Index j, const Vec3& b) const {
-            if (normals.rows() == 0) return covariance(i, j) * a.dot(b);
-            const Vec3 n = normals.row(i), m = normals.row(j);
-            const double along_a = n.dot(a), along_b = m.dot(b);
-            const double tangents = (a - along_a * n).dot(b - along_b * m);
-            const double as_body = (rigid.middleRows<3>(3 * i).transpose() * a)
-                                       .dot(rigid.middleRows<3>(3 * j).transpose() * b);
-            return covariance(i, j) * (along_a * along_b + tangential * tangential * tangents) +
-                   as_body;
-        }
-        /// Q^-1 x of this wall for a motion x [nodes, 3].
+        /// Between the motions of `at[k]` along the rows of `directions` [at, 3], mm^2.
+        Eigen::MatrixXd covariance_along(
+            const std::vector<Index>& at,
+            const Eigen::Matrix<double, Eigen::Dynamic, 3>& directions) const;
+        /// Q^-1 x of this wall for any number of motions, their components side by side:
+        /// x [nodes, 3 motions].
         Eigen::MatrixXd times(const Eigen::MatrixXd& x) const;
     };
 

@@ -191,6 +191,24 @@ TEST(ResponseModel, GivesTheSameObjectiveAsTheExactModel) {
     }
 }
 
+TEST(ResponseModel, IsDiagonalWhereOnlyItsUnknownModulusChanges) {
+    Chain chain;
+    const auto model = ResponseModel::compressed(chain.model, chain.walls, {2}, {});
+    ASSERT_TRUE(model.is_diagonal_in(2));
+    EXPECT_FALSE(model.is_diagonal_in(1));
+    const Eigen::MatrixXd forces = Eigen::MatrixXd::Random(model.num_modes(), 3);
+    // The last with a known modulus that is another.
+    for (const auto& kpa : std::vector<std::vector<double>>{{0, 10, 4}, {0, 10, 900}, {0, 7, 60}}) {
+        const Eigen::MatrixXd expected = model.stiffness(kpa).llt().solve(forces);
+        EXPECT_LT((model.factorised_stiffness(kpa).solve(forces) - expected).norm(),
+                  1e-8 * expected.norm());
+        EXPECT_TRUE(model.is_stable(kpa));
+    }
+    EXPECT_FALSE(model.is_stable({0, 10, -2000}));
+    EXPECT_THROW(model.factorised_stiffness({0, 10, -2000}), Error);
+    EXPECT_FALSE(ResponseModel::compressed(chain.model, chain.walls, {1, 2}, {}).is_diagonal_in(2));
+}
+
 TEST(ResponseModel, TakenApartAndPutTogetherIsTheSame) {
     Chain chain;
     const auto model = ResponseModel::compressed(chain.model, chain.walls, {2}, {});

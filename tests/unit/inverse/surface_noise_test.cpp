@@ -90,6 +90,48 @@ TEST(SurfaceNoise, CountsASmoothBumpAsOneOutlier) {
     EXPECT_GT(more, static_cast<Index>(f.off(4).size()));
 }
 
+TEST(SurfaceNoise, RemembersNothingOfEarlierOutliersAndLevels) {
+    Fixture used, fresh;
+    used.noise.set_level({1, 0.3});
+    for (const double mm : {0.2, 4.0}) used.noise.count(used.bump(mm, 3));
+    for (const double level : {0.5, 0.8}) {
+        used.noise.set_level({1, level});
+        fresh.noise = SurfaceNoise(fresh.observations);
+        fresh.noise.set_level({1, level});
+        const ObservedState state = used.bump(0.4, 8);
+        EXPECT_DOUBLE_EQ(used.noise.count(state)->misfit(state.residual_mm),
+                         fresh.noise.count(state)->misfit(state.residual_mm));
+    }
+}
+
+TEST(SurfaceNoise, GrowsAnOutliersVarianceByHowFarItIsFromWhereItsNeighboursSay) {
+    Fixture f;
+    f.noise.set_level({1, 0.5});
+    const ObservedState state = f.bump(4, 0.1);
+    const std::vector<LinearRow> rows = f.noise.count(state)->linear_rows(state);
+    const Index n = static_cast<Index>(rows.size());
+    Eigen::MatrixXd covariance(n, n);
+    Eigen::VectorXd residual(n);
+    Index outlier = -1;
+    for (Index j = 0; j < n; ++j) {
+        residual[j] = rows[j].residual_mm;
+        if (rows[j].position == side * side / 2) outlier = j;
+        for (Index i = 0; i < n; ++i)
+            covariance(i, j) =
+                i == j ? noise_variance(rows[i]) : noise_covariance(rows[i], rows[j]);
+    }
+    ASSERT_GE(outlier, 0);
+    // Without its own inflation it would be |z| deviations off; then it is sqrt(3 |z|).
+    const double plain = 0.2 * 0.2, own = std::pow(rows[outlier].independent_mm, 2);
+    const Eigen::MatrixXd precision = covariance.inverse();
+    const double conditional = 1 / precision(outlier, outlier);
+    const double off = (precision * residual)[outlier] * conditional;
+    const double before = conditional - (own - plain);
+    const double z = std::abs(off) / std::sqrt(before);
+    EXPECT_GT(z, 3);
+    EXPECT_NEAR(conditional, before * z / 3, 0.02 * conditional);
+}
+
 TEST(SurfaceNoise, WithoutASharedPartIsHubersLoss) {
     Fixture f;
     f.noise.set_level({1, 0});

@@ -38,14 +38,21 @@ struct Sphere {
         result.rigid_mm = 1.5;
         return result;
     }
-    /// Between all components, from `covariance_along`.
+    /// Between all components, node by node from the definition.
     static Eigen::MatrixXd dense(const WallPrior& walls) {
+        const WallPrior::Wall& wall = walls.walls()[0];
         const Index n = walls.num_driven();
-        Eigen::MatrixXd all(3 * n, 3 * n);
-        for (Index i = 0; i < 3 * n; ++i)
-            for (Index j = 0; j < 3 * n; ++j)
-                all(i, j) = walls.walls()[0].covariance_along(i / 3, Vec3::Unit(i % 3), j / 3,
-                                                              Vec3::Unit(j % 3));
+        Eigen::MatrixXd all = wall.rigid * wall.rigid.transpose();
+        for (Index i = 0; i < n; ++i) {
+            for (Index j = 0; j < n; ++j) {
+                const Vec3 a = wall.normals.row(i), b = wall.normals.row(j);
+                const Mat3 across_a = Mat3::Identity() - a * a.transpose();
+                const Mat3 across_b = Mat3::Identity() - b * b.transpose();
+                all.block<3, 3>(3 * i, 3 * j) +=
+                    wall.covariance(i, j) *
+                    (a * b.transpose() + wall.tangential * wall.tangential * across_a * across_b);
+            }
+        }
         return all;
     }
     WallExpectation expected;
@@ -55,11 +62,28 @@ struct Sphere {
 TEST(FittedWalls, TellMotionAlongNormalsAndAlongTheWallApart) {
     const Sphere sphere(12);
     const auto walls = walls_of(*sphere.prior, sphere.scale(2, 30, 0.25));
-    const WallPrior::Wall& wall = walls->walls()[0];
     const Vec3 normal = sphere.expected.normals[3], along = normal.unitOrthogonal();
     // A body's motion adds 1.5^2 for the shift and as much for turns across the radius.
-    EXPECT_NEAR(wall.covariance_along(3, normal, 3, normal), 4 + 2.25, 0.02);
-    EXPECT_NEAR(wall.covariance_along(3, along, 3, along), 4 / 16.0 + 2 * 2.25, 0.35);
+    const Mat3 own = Sphere::dense(*walls).block<3, 3>(9, 9);
+    EXPECT_NEAR(normal.dot(own * normal), 4 + 2.25, 0.02);
+    EXPECT_NEAR(along.dot(own * along), 4 / 16.0 + 2 * 2.25, 0.35);
+}
+
+TEST(FittedWalls, CovarianceAlongDirectionsIsThatOfTheDenseOne) {
+    const Sphere sphere(12);
+    const auto walls = walls_of(*sphere.prior, sphere.scale(2, 15, 0.4));
+    const Eigen::MatrixXd covariance = Sphere::dense(*walls);
+    const std::vector<Index> at{7, 2, 7};
+    Eigen::Matrix<double, Eigen::Dynamic, 3> directions(3, 3);
+    directions << 0.6, 0, 0.8, 0, 1, 0, 0.48, 0.6, 0.64;
+    const Eigen::MatrixXd seen = walls->walls()[0].covariance_along(at, directions);
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const Vec3 a = directions.row(i), b = directions.row(j);
+            const Mat3 block = covariance.block(3 * at[i], 3 * at[j], 3, 3);
+            EXPECT_NEAR(seen(i, j), a.dot(block * b), 1e-9);
+        }
+    }
 }
 
 TEST(FittedWalls, EnergyAndProductsAreThoseOfTheDenseCovariance) {
