@@ -27,7 +27,8 @@ std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const Re
 }
 
 /// Outward unit normals without what is shorter than `wall_smoothing_mm`: along a crease neighbours
-/// would else be expected to move in directions of their own.
+/// would else be expected to move in directions of their own. What faces away, as the other side
+/// of a flat organ does, has no part in it.
 std::vector<Vec3> smooth_normals(const Surface& surface) {
     const std::vector<Vec3> rough = vertex_normals(surface);
     std::vector<Vec3> smooth(rough.size(), Vec3::Zero());
@@ -35,12 +36,11 @@ std::vector<Vec3> smooth_normals(const Surface& surface) {
     for (std::size_t a = 0; a < rough.size(); ++a) {
         for (std::size_t b = 0; b < rough.size(); ++b) {
             const double squared = (surface.vertices[a] - surface.vertices[b]).squaredNorm();
-            if (squared > reach * reach) continue;
+            if (squared > reach * reach || rough[a].dot(rough[b]) <= 0) continue;
             smooth[a] +=
                 std::exp(-0.5 * squared / (wall_smoothing_mm * wall_smoothing_mm)) * rough[b];
         }
-        const double length = smooth[a].norm();
-        smooth[a] = length > 0.1 ? Vec3(smooth[a] / length) : rough[a];
+        smooth[a].normalize();  // along rough[a] it has at least that of a itself
     }
     return smooth;
 }
