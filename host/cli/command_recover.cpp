@@ -171,8 +171,10 @@ int recover_several(const RecoverArguments& arguments, RecoverOptions options,
                  [&](std::size_t k, const Error& error) {
                      add(failed_row(names[k], error.what()), exit_code_of(error.code()));
                  },
-                 [&](std::vector<RegionResult> regions, std::size_t num_targets, double seconds) {
-                     add(joint_row(std::move(regions), num_targets, seconds), 0);
+                 [&](JointResult result) {
+                     const int code =
+                         result.failure.empty() ? 0 : exit_code_of(ErrorCode::solve_failed);
+                     add(joint_row(std::move(result), names), code);
                  }},
                 progress);
     end_progress_line();
@@ -196,8 +198,10 @@ int run_plan(const RecoverArguments& arguments) {
         "Upper over lower end of the 95 % interval to expect, if walls move by {:g} mm and the\n"
         "contours of each image are {:g} mm off:\n\n{}\n"
         "Targets fuller and emptier than the reference tell more than as many on one side: the\n"
-        "error of the reference's contours cancels. Motion counts with its square.\n",
-        arguments.plan.motion_mm, arguments.plan.contour_mm, plan_table(rows));
+        "error of the reference's contours cancels. More motion tells more, until what the model\n"
+        "itself adds is left (docs/method.md). \"nothing\": not identifiable.\n",
+        arguments.plan.motion_mm, planned_contour_mm(arguments.plan, options.settings),
+        plan_table(rows));
     return 0;
 }
 
@@ -230,6 +234,17 @@ int run_recover(const RecoverArguments& arguments) {
     const auto progress = limit.watched(console_progress(arguments.quiet));
     return several ? recover_several(arguments, options, names, progress)
                    : recover_one(arguments, options, progress);
+}
+
+/// What a plan makes no use of. To be called after all other options were added.
+void exclude_from_plan(CLI::App& command) {
+    CLI::Option* plan = command.get_option("--plan");
+    for (const char* name :
+         {"--out", "--overwrite", "--initial-transform", "--repeated-reference", "--method",
+          "--material", "--search-time", "--start-kpa", "--max-iterations", "--landmarks",
+          "--landmarks-ras", "--fields", "--keep-file-names", "--reference-image", "--target-image",
+          "--save-reduced", "--load-reduced"})
+        plan->excludes(command.get_option(name));
 }
 
 /// To be called after the options of mesh and mesher were added.
@@ -284,10 +299,10 @@ void add_recover(CLI::App& app, Run& run) {
         ->capture_default_str();
     command
         ->add_option("--plan-contours", arguments->plan.contour_mm,
-                     "How far contours will be off in each image, mm (standard deviation)")
-        ->check(CLI::Range(0.0, 5.0))
-        ->needs(plan)
-        ->capture_default_str();
+                     "How far contours will be off in each image, mm (standard deviation; "
+                     "default: contour_sd_mm of the settings, or 0.5)")
+        ->check(CLI::Range(0.0, largest_contour_sd_mm))
+        ->needs(plan);
     command->add_option("--repeated-reference", arguments->repeated_reference,
                         "The reference's image segmented once more, independently: measures how "
                         "far contours are off (contour_sd_mm)");
@@ -338,6 +353,7 @@ void add_recover(CLI::App& app, Run& run) {
     add_mesher_options(*command, arguments->mesher);
     add_reduced_options(*command, *arguments);
     add_solver_options(*command, arguments->solver);
+    exclude_from_plan(*command);
     command->callback([arguments, &run] { run = [arguments] { return run_recover(*arguments); }; });
 }
 

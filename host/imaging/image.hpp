@@ -31,6 +31,13 @@ struct ImageGrid {
         return (direction.transpose() * (point - origin)).cwiseQuotient(spacing);
     }
     double voxel_volume() const { return spacing.prod(); }
+    /// Whether the voxels of both lie at the same places, to a thousandth of a mm.
+    bool is_like(const ImageGrid& other) const {
+        const auto near = [&](const Vec3& index) {
+            return (to_point(index) - other.to_point(index)).norm() < 1e-3;
+        };
+        return size == other.size && near(Vec3::Zero()) && near(Vec3::Ones());
+    }
 };
 
 template <typename T>

@@ -20,12 +20,17 @@ namespace palpate {
 ///   F(theta) = 1/2 e^T C^-1 e + 1/2 ln det C + 1/2 |(theta - theta_0)/sd|^2,   C = R + B B^T,
 /// with e, and B block by block, those of the targets.
 ///
+/// With what the reference's contours are as an unknown of its own, [places of the reference],
+/// targets are independent, so that work and memory grow as the number of targets.
+///
 /// What driven walls show of the reference's contours is left out: each target's walls are
-/// conditioned on their own distances.
+/// conditioned on their own distances. So are the reference's voxels: their noise counts as
+/// independent.
 class JointProblem : public ModulusObjective {
 public:
     /// Of one reference, with the same priors, at least one; each linearised at its own estimate.
-    explicit JointProblem(std::vector<std::shared_ptr<const LinearisedProblem>> targets);
+    explicit JointProblem(const std::vector<std::shared_ptr<const LinearisedProblem>>& targets);
+    ~JointProblem() override;
 
     /// Gradients are central differences.
     Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const override;
@@ -35,20 +40,20 @@ public:
     Fit fit(const Eigen::VectorXd& theta) const override;
     Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const override;
     Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const override;
-    const std::vector<ModulusPrior>& priors() const override { return targets_[0]->priors(); }
-    /// What one target tells (the traces' mean) over what all tell, at most 1.
-    double share_of_one(const Eigen::VectorXd& theta) const;
+    const std::vector<ModulusPrior>& priors() const override;
+    /// What each target alone tells of each modulus over what all tell, at most 1:
+    /// [targets, unknown].
+    Eigen::MatrixXd shares(const Eigen::VectorXd& theta) const;
 
 private:
+    struct Target;
     struct Response;
     Response respond(const Eigen::VectorXd& theta) const;
     double value(const Eigen::VectorXd& theta) const;
 
-    std::vector<std::shared_ptr<const LinearisedProblem>> targets_;
-    std::vector<Index> first_mode_;  ///< of each target among the modes of all, then their number
-    Eigen::MatrixXd information_;    ///< V^T G_o^T R^-1 G_o V, of all targets
-    Eigen::VectorXd pull_of_target_;
-    double target_misfit_ = 0, noise_log_determinant_ = 0;
+    std::vector<Target> targets_;
+    Eigen::MatrixXd common_information_;  ///< 1 + sum of U^T B^-1 U
+    double noise_log_determinant_ = 0;    ///< of all B
 };
 
 }  // namespace palpate

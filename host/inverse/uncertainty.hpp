@@ -63,8 +63,8 @@ constexpr double model_sd_ln = 0.17;
 /// The same for each mm that the contours of one image are off: distances to a wrong contour say
 /// where along itself a wall has gone, and say it wrongly. Of 22 phantoms of both generators with
 /// contours 0.5 mm off, that root mean square was 1.7 without it and 1.0 with it.
-constexpr double model_sd_ln_per_contour_mm = 1.0;
-constexpr double most_model_sd_ln = 0.6;
+constexpr double model_sd_ln_per_contour_mm = 1.3;
+constexpr double most_model_sd_ln = 0.8;
 
 /// Both together; `contour_mm` is of both images together (NoiseLevel).
 double model_sd_ln_with(double contour_mm);

@@ -18,7 +18,7 @@ constexpr std::uintmax_t largest_file_bytes = 1 << 20;
 constexpr std::size_t longest_name = 64;
 constexpr int largest_label = 65535;
 constexpr NumberRange stiffness_range{0, 1e6, true};
-constexpr NumberRange contour_sd_range{0, 5};
+constexpr NumberRange contour_sd_range{0, largest_contour_sd_mm};
 constexpr NumberRange poisson_range{0, 0.499};
 constexpr double narrowest_poisson_range = 0.02;
 const std::string stiffness_choice = "\"unknown\" or a number greater than 0, in kPa";

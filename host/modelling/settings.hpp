@@ -37,6 +37,9 @@ struct BackgroundSettings {
     bool outer_boundary_fixed = true;
 };
 
+/// Of contours: farther off they would not show the organ.
+constexpr double largest_contour_sd_mm = 5;
+
 /// Priors and noise of the MAP estimate; every field has a default that suits millimetre voxels.
 struct PriorSettings {
     double noise_voxels = 0.11;  ///< sigma_n as a fraction of the mean voxel spacing

@@ -12,6 +12,19 @@
 #include "host/pipeline/judged_modulus.hpp"
 
 namespace palpate {
+namespace {
+
+/// What is left of the contours' error in the moduli's model, mm: that of the targets as they tell
+/// of this modulus, less by the root of what the best of them tells of all.
+double contours_left_mm(const std::vector<JointTarget>& targets, const Eigen::VectorXd& shares) {
+    double weighted = 0;
+    for (std::size_t a = 0; a < targets.size(); ++a)
+        weighted += shares[static_cast<Index>(a)] * targets[a].noise.contour_mm;
+    if (!(shares.sum() > 0)) return targets.front().noise.contour_mm;
+    return weighted / shares.sum() * std::sqrt(shares.maxCoeff());
+}
+
+}  // namespace
 
 JointTarget joint_target(const MapEstimate& estimate) {
     return {estimate.posterior, estimate.walls, estimate.response, estimate.noise_level};
@@ -25,17 +38,13 @@ std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets
     if (all.unknown.empty()) return {};
     report_progress(progress, "joint", 0, fmt::format("{} targets together", targets.size()));
     std::vector<std::shared_ptr<const LinearisedProblem>> problems;
-    for (const JointTarget& target : targets) {
-        problems.push_back(target.problem);
-        all.noise_level.contour_mm += target.noise.contour_mm / double(targets.size());
-    }
-    const JointProblem problem(std::move(problems));
+    for (const JointTarget& target : targets) problems.push_back(target.problem);
+    const JointProblem problem(problems);
     const ModulusBounds bounds = same_bounds(problem.num_unknown(), std::log(options.smallest_kpa),
                                              std::log(options.largest_kpa));
     all.theta = minimise_moduli(problem, scan_moduli(problem, bounds), bounds).theta;
     take_uncertainty(problem, options, all, progress);
-    // What wrong contours do to the model shrinks as what they do to the distances.
-    all.noise_level.contour_mm *= std::sqrt(problem.share_of_one(all.theta));
+    const Eigen::MatrixXd shares = problem.shares(all.theta);
     std::vector<RegionResult> regions;
     for (std::size_t k = 0; k < all.unknown.size(); ++k) {
         RegionResult region;
@@ -43,6 +52,7 @@ std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets
         region.name = name_of_region(settings, region.region);
         region.unknown = true;
         region.stiffness_kpa = std::exp(all.theta[k]);
+        all.noise_level.contour_mm = contours_left_mm(targets, shares.col(static_cast<Index>(k)));
         judge_modulus(all, k, settings, region);
         regions.push_back(std::move(region));
     }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host/inverse/identifiability.hpp"
 #include "host/inverse/joint_problem.hpp"
 #include "host/inverse/surface_noise.hpp"
 #include "host/inverse/uncertainty.hpp"
@@ -28,10 +29,11 @@ constexpr std::pair<int, int> planned_targets[] = {{1, 0}, {2, 0}, {4, 0}, {1, 1
 class Planner {
 public:
     Planner(const PreparedReference& prepared, const SurfaceObservations& observations,
-            const PlanOptions& plan)
+            const PlanOptions& plan, const Settings& settings)
         : prepared_(prepared),
           mechanics_(prepared.mechanics),
           plan_(plan),
+          contour_mm_(planned_contour_mm(plan, settings)),
           walls_(walls_of(mechanics_.walls, expected_scale(mechanics_.walls))),
           response_(mechanics_.response.with_walls(*walls_)),
           observations_(observations) {
@@ -39,11 +41,13 @@ public:
         const ObservedState still =
             observations_.evaluate(Eigen::VectorXd::Zero(response_.driven_dofs()),
                                    Eigen::VectorXd::Zero(3 * mechanics_.recovery.observed.size()));
-        noise.set_level({1, std::numbers::sqrt2 * plan.contour_mm});
+        noise.set_level({1, std::numbers::sqrt2 * contour_mm_});
         noise.take_terraces(still);
         ObservedState exact = still;
         exact.residual_mm.setZero();
-        rows_ = noise.count(exact)->linear_rows(exact, true);
+        const auto counted = noise.count(exact);
+        rows_ = counted->linear_rows(exact, true);
+        frame_ = counted->frame();
     }
 
     std::vector<PlanRow> rows(const Settings& settings) const;
@@ -52,18 +56,20 @@ private:
     Eigen::VectorXd wall_motion() const;
     std::shared_ptr<const LinearisedProblem> problem(const Eigen::VectorXd& driven,
                                                      const Eigen::VectorXd& theta) const;
-    double sd_ln(const std::pair<int, int>& targets, const Eigen::VectorXd& theta,
-                 Index unknown) const;
+    PlannedInterval interval(const std::pair<int, int>& targets, const Eigen::VectorXd& theta,
+                             Index unknown) const;
     Eigen::VectorXd observed(const Eigen::VectorXd& theta) const;
     double moved_mm(Index region, const Eigen::VectorXd& observed) const;
 
     const PreparedReference& prepared_;
     const Mechanics& mechanics_;
     PlanOptions plan_;
+    double contour_mm_;
     std::shared_ptr<const WallPrior> walls_;
     ResponseModel response_;
     const SurfaceObservations& observations_;
     std::vector<LinearRow> rows_;  ///< of the surfaces where they are, without residual
+    FramePrior frame_;
 };
 
 Eigen::VectorXd Planner::wall_motion() const {
@@ -85,19 +91,26 @@ std::shared_ptr<const LinearisedProblem> Planner::problem(const Eigen::VectorXd&
                                                           const Eigen::VectorXd& theta) const {
     const double side = driven.dot(wall_motion()) < 0 ? -1.0 : 1.0;
     return std::make_shared<LinearisedProblem>(response_, *walls_, rows_, driven,
-                                               side * observed(theta), mechanics_.priors);
+                                               side * observed(theta), mechanics_.priors, frame_);
 }
 
-double Planner::sd_ln(const std::pair<int, int>& targets, const Eigen::VectorXd& theta,
-                      Index unknown) const {
+PlannedInterval Planner::interval(const std::pair<int, int>& targets, const Eigen::VectorXd& theta,
+                                  Index unknown) const {
     std::vector<std::shared_ptr<const LinearisedProblem>> problems(targets.first,
                                                                    problem(wall_motion(), theta));
     problems.resize(targets.first + targets.second, problem(-wall_motion(), theta));
-    const JointProblem all(std::move(problems));
+    const JointProblem all(problems);
     const double contours_mm =
-        std::numbers::sqrt2 * plan_.contour_mm * std::sqrt(all.share_of_one(theta));
-    return std::hypot(std::sqrt(laplace_covariance(all, theta)(unknown, unknown)),
-                      model_sd_ln_with(contours_mm));
+        std::numbers::sqrt2 * contour_mm_ * std::sqrt(all.shares(theta).col(unknown).maxCoeff());
+    PlannedInterval interval{targets.first, targets.second, 0, true};
+    interval.sd_ln = std::hypot(std::sqrt(laplace_covariance(all, theta)(unknown, unknown)),
+                                model_sd_ln_with(contours_mm));
+    ModulusEvidence evidence;
+    evidence.sd_ln = interval.sd_ln;
+    evidence.prior_sd_ln = mechanics_.priors[unknown].sd_ln;
+    evidence.seen_sd_ln = seen_sd_ln(all.seen_information(theta), mechanics_.priors)[unknown];
+    interval.is_identifiable = judge(evidence).verdict != "not identifiable";
+    return interval;
 }
 
 double Planner::moved_mm(Index region, const Eigen::VectorXd& observed) const {
@@ -125,7 +138,7 @@ std::vector<PlanRow> Planner::rows(const Settings& settings) const {
             row.supposed_kpa = std::exp(theta[k]);
             row.moved_mm = moved_mm(mechanics_.priors[k].region, observed(theta));
             for (const auto& targets : planned_targets)
-                row.intervals.push_back({targets.first, targets.second, sd_ln(targets, theta, k)});
+                row.intervals.push_back(interval(targets, theta, k));
             rows.push_back(std::move(row));
         }
     }
@@ -134,11 +147,20 @@ std::vector<PlanRow> Planner::rows(const Settings& settings) const {
 
 }  // namespace
 
+double planned_contour_mm(const PlanOptions& plan, const Settings& settings) {
+    return plan.contour_mm.value_or(settings.prior.contour_sd_mm.value_or(usual_contour_mm));
+}
+
 std::vector<PlanRow> plan_recovery(const Segmentation& reference, const RecoverOptions& options,
                                    const PlanOptions& plan, const ProgressSink& progress) {
     StageTimer timer;
+    if (options.settings.has_unknown_poisson_ratio())
+        throw Error(ErrorCode::input_unusable,
+                    "a Poisson's ratio is unknown, of which a plan cannot tell; give it as a "
+                    "number");
     RecoverOptions still = options;
-    still.align = AlignMethod::none;
+    if (!options.initial_transform.empty()) still.align = AlignMethod::none;
+    still.initial_transform.clear();
     report_progress(progress, "reading", 0, "smoothing the segmentation");
     ReferenceState state =
         make_reference(make_state(reference, options.settings), options, progress);
@@ -163,7 +185,7 @@ std::vector<PlanRow> plan_recovery(const Segmentation& reference, const RecoverO
         mechanics.recovery, both, all,
         observation_options(options.settings, prepared.reference.state, itself));
     report_progress(progress, "planning", 0, "what targets would tell");
-    return Planner(prepared, observations, plan).rows(options.settings);
+    return Planner(prepared, observations, plan, options.settings).rows(options.settings);
 }
 
 }  // namespace palpate

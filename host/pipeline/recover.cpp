@@ -115,22 +115,60 @@ bool can_join(const RecoverOptions& options, const Mechanics& mechanics) {
            mechanics.recovery.unknown_ratio.empty();
 }
 
-void join(const std::vector<JointTarget>& targets, const RecoverOptions& options,
-          const JointSink& tell, const ProgressSink& progress) {
+/// Those of several targets that a joint estimate is made of.
+struct JointTargets {
+    std::vector<JointTarget> searched;
+    JointResult result;  ///< who was left out
+
+    void add(std::size_t k, JointTarget target, bool converged, const std::string& repeats) {
+        if (!repeats.empty()) {
+            result.left_out.emplace_back(k, repeats);
+        } else if (!converged) {
+            result.left_out.emplace_back(k, "did not converge");
+        } else {
+            searched.push_back(std::move(target));
+        }
+    }
+};
+
+void join(JointTargets targets, const RecoverOptions& options, const JointSink& tell,
+          const ProgressSink& progress) {
+    JointResult result = std::move(targets.result);
+    result.num_targets = targets.searched.size();
     StageTimer timer;
     timer.start("joint");
-    std::vector<RegionResult> regions =
-        joint_estimate(targets, options.settings, options.search, progress);
+    try {
+        result.regions =
+            joint_estimate(targets.searched, options.settings, options.search, progress);
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::cancelled) throw;
+        result.failure = error.what();
+    }
     timer.stop();
-    if (!regions.empty()) tell(std::move(regions), targets.size(), timer.times_s()[0].second);
+    result.seconds = timer.times_s()[0].second;
+    if (!result.regions.empty() || !result.failure.empty()) tell(std::move(result));
+}
+
+/// Of each target: what its labels are a copy of; empty: of nothing that came before.
+std::vector<std::string> repetitions(const Segmentation& reference,
+                                     const std::vector<Segmentation>& targets) {
+    std::vector<std::string> found(targets.size());
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+        if (is_same(reference, targets[k])) found[k] = "has the labels of the reference";
+        for (std::size_t other = 0; other < k && found[k].empty(); ++other)
+            if (is_same(targets[other], targets[k]))
+                found[k] = fmt::format("has the labels of target {}", other + 1);
+    }
+    return found;
 }
 
 /// Brings the targets into the frame of the reference, whose surfaces are known by then.
 using Align = std::function<std::vector<TargetState>(const ReferenceState& reference)>;
 
 void recover_aligned(LabelledState reference, std::optional<SavedReference> saved,
-                     const Align& align, const RecoverOptions& options, StageTimer& timer,
-                     const TargetSinks& tell, const ProgressSink& progress) {
+                     const Align& align, const std::vector<std::string>& repeats,
+                     const RecoverOptions& options, StageTimer& timer, const TargetSinks& tell,
+                     const ProgressSink& progress) {
     ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
     timer.start("aligning");
     std::vector<TargetState> aligned = align(state);
@@ -140,7 +178,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
     save(prepared, options, timer, progress);
     timer.stop();
 
-    std::vector<JointTarget> searched;
+    JointTargets together;
     for (std::size_t k = 0; k < aligned.size(); ++k) {
         if (aligned.size() > 1) {
             report_progress(progress, fmt::format("target {}", k + 1), 0,
@@ -152,16 +190,17 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
             JointTarget joint;
             RecoveryResult result = recover_target(prepared, aligned[k], std::move(shapes), options,
                                                    timer, joint, progress);
-            if (joint.problem) searched.push_back(std::move(joint));
+            const bool converged = result.termination.converged;
             const double seconds = seconds_after(timer, result);
             tell.result(k, std::move(result), seconds);
+            if (joint.problem) together.add(k, std::move(joint), converged, repeats[k]);
         } catch (const Error& error) {
             if (!tell.failed || error.code() == ErrorCode::cancelled) throw;
             tell.failed(k, error);
         }
     }
-    if (tell.joint && searched.size() > 1 && can_join(options, prepared.mechanics))
-        join(searched, options, tell.joint, progress);
+    if (tell.joint && together.searched.size() > 1 && can_join(options, prepared.mechanics))
+        join(std::move(together), options, tell.joint, progress);
 }
 
 }  // namespace
@@ -171,6 +210,10 @@ Segmentation read_segmentation(const std::filesystem::path& path, const Progress
     segmentation.labels = read_label_image(path, progress, &segmentation.warnings);
     segmentation.name = path.filename().string();
     return segmentation;
+}
+
+bool is_same(const Segmentation& a, const Segmentation& b) {
+    return a.labels.grid.is_like(b.labels.grid) && a.labels.voxels == b.labels.voxels;
 }
 
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
@@ -193,8 +236,8 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
         }
         return aligned;
     };
-    recover_aligned(std::move(reference_state), std::move(saved), align, options, timer, tell,
-                    progress);
+    recover_aligned(std::move(reference_state), std::move(saved), align,
+                    repetitions(reference, targets), options, timer, tell, progress);
 }
 
 RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
@@ -213,7 +256,7 @@ RecoveryResult recover(const Segmentation& reference, const PartialTarget& targe
     };
     RecoveryResult only;
     const auto keep = [&](std::size_t, RecoveryResult result, double) { only = std::move(result); };
-    recover_aligned(make_state(reference, options.settings), std::move(saved), place, options,
+    recover_aligned(make_state(reference, options.settings), std::move(saved), place, {""}, options,
                     timer, {keep}, progress);
     return only;
 }

@@ -16,6 +16,7 @@
 #include "host/modelling/settings.hpp"
 #include "host/modelling/tissue_law.hpp"
 #include "host/pipeline/mechanics.hpp"
+#include "host/result/joint_result.hpp"
 #include "host/result/recovery_result.hpp"
 #include "host/surfaces/surface.hpp"
 #include "solver/base/error.hpp"
@@ -59,6 +60,9 @@ struct Segmentation {
 Segmentation read_segmentation(const std::filesystem::path& path,
                                const ProgressSink& progress = {});
 
+/// Whether both have the same labels at the same places.
+bool is_same(const Segmentation& a, const Segmentation& b);
+
 /// The surface of one organ, which may be open, or points on it, mm LPS.
 struct OrganTarget {
     std::string organ;  ///< its name in the settings
@@ -81,10 +85,7 @@ using ResultSink =
 /// Receives the error that ended the work on one target.
 using FailureSink = std::function<void(std::size_t target, const Error& error)>;
 
-/// Receives the regions whose modulus was found from all targets together, their moduli, intervals
-/// and verdicts filled, the number of targets that took part and the seconds that it took.
-using JointSink =
-    std::function<void(std::vector<RegionResult> regions, std::size_t num_targets, double seconds)>;
+using JointSink = std::function<void(JointResult result)>;
 
 /// Who is told what of several targets.
 struct TargetSinks {
@@ -110,7 +111,8 @@ RecoveryResult recover(const Segmentation& reference, const PartialTarget& targe
 /// The same for several targets of one reference, which is meshed and condensed once. All targets
 /// are read and aligned before that, so that a wrong one is told early. An Error while one target
 /// is searched or its sink runs goes to `failed`, and the next target follows. Where two targets or
-/// more were searched by `map`, with the linear law and given ratios, a joint estimate follows.
+/// more were searched by `map`, with the linear law and given ratios, a joint estimate follows of
+/// those that converged and whose labels are neither the reference's nor an earlier target's.
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
                  const RecoverOptions& options, const TargetSinks& tell,
                  const ProgressSink& progress = {});

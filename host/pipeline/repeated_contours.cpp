@@ -36,20 +36,19 @@ SquareSum squares_between(const DistanceMap& first, const DistanceMap& second,
     return sum;
 }
 
-bool are_alike(const ImageGrid& a, const ImageGrid& b) {
-    return a.size == b.size &&
-           (a.to_point(Vec3::Zero()) - b.to_point(Vec3::Zero())).norm() < 1e-3 &&
-           (a.to_point(Vec3::Ones()) - b.to_point(Vec3::Ones())).norm() < 1e-3;
-}
-
 }  // namespace
 
 double contour_sd_of(const Segmentation& first, const Segmentation& second,
                      const Settings& settings) {
-    if (!are_alike(first.labels.grid, second.labels.grid))
+    if (!first.labels.grid.is_like(second.labels.grid))
         throw Error(ErrorCode::input_unusable,
                     fmt::format("{} and {} lie on different grids; a repeated segmentation must be "
                                 "of the same image",
+                                first.name, second.name));
+    if (is_same(first, second))
+        throw Error(ErrorCode::input_unusable,
+                    fmt::format("{} and {} have the same labels, which tells nothing about "
+                                "contours; segment the image once more, independently",
                                 first.name, second.name));
     const LabelledState a = make_state(first, settings), b = make_state(second, settings);
     const std::vector<DistanceMap> maps_a = maps_of_matched(a.field, settings);
@@ -62,7 +61,15 @@ double contour_sd_of(const Segmentation& first, const Segmentation& second,
     }
     if (all.count == 0) return 0;
     const double voxels = settings.prior.noise_voxels * a.regions.grid.spacing.mean();
-    return std::sqrt(std::max(0.0, 0.5 * all.mm2 / double(all.count) - voxels * voxels));
+    const double sd_mm =
+        std::sqrt(std::max(0.0, 0.5 * all.mm2 / double(all.count) - voxels * voxels));
+    if (sd_mm > largest_contour_sd_mm)
+        throw Error(
+            ErrorCode::input_unusable,
+            fmt::format("the contours of {} and {} are off by {:.1f} mm each, more than the "
+                        "{:g} mm that palpate can compute with; are they of one image?",
+                        first.name, second.name, sd_mm, largest_contour_sd_mm));
+    return sd_mm;
 }
 
 }  // namespace palpate

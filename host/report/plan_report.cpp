@@ -37,7 +37,9 @@ std::string plan_table(const std::vector<PlanRow>& rows) {
         std::vector<std::string> cells{harmless(row.region), significant(row.supposed_kpa),
                                        decimals(row.moved_mm, 1)};
         for (const PlannedInterval& interval : row.intervals)
-            cells.push_back(fmt::format("x {}", significant(interval_factor(interval))));
+            cells.push_back(interval.is_identifiable
+                                ? fmt::format("x {}", significant(interval_factor(interval)))
+                                : "nothing");
         table.add(std::move(cells));
     }
     return table.text();

@@ -12,6 +12,7 @@ struct PlannedInterval {
     int fuller = 1;    ///< targets with walls moved outwards
     int emptier = 0;   ///< and as far the other way
     double sd_ln = 0;  ///< expected standard deviation of ln E, the model's error included
+    bool is_identifiable = true;  ///< whether a result would be given, not the prior's interval
 };
 
 /// One organ, supposed to be as stiff as this.

@@ -74,10 +74,14 @@ TargetRow target_row(std::string name, const RecoveryResult& result, double seco
     return row;
 }
 
-TargetRow joint_row(std::vector<RegionResult> regions, std::size_t num_targets, double seconds) {
-    return {joint_row_name, std::move(regions), true, seconds,
-            fmt::format("of {} targets together, the contours of the reference common to all",
-                        num_targets)};
+TargetRow joint_row(JointResult result, const std::vector<std::string>& names) {
+    if (!result.failure.empty()) return failed_row(joint_row_name, result.failure);
+    std::string note = fmt::format(
+        "of {} targets together, the contours of the reference common to all", result.num_targets);
+    for (std::size_t k = 0; k < result.left_out.size(); ++k)
+        note += fmt::format("{}{} {}", k == 0 ? "; left out: " : ", ",
+                            names[result.left_out[k].first], result.left_out[k].second);
+    return {joint_row_name, std::move(result.regions), true, result.seconds, std::move(note)};
 }
 
 TargetRow failed_row(std::string name, const std::string& message) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/result/joint_result.hpp"
 #include "host/result/recovery_result.hpp"
 
 namespace palpate {
@@ -23,8 +24,8 @@ struct TargetRow {
 };
 
 TargetRow target_row(std::string name, const RecoveryResult& result, double seconds);
-/// What all targets together tell (recover_all).
-TargetRow joint_row(std::vector<RegionResult> regions, std::size_t num_targets, double seconds);
+/// What all targets together tell (recover_all); `names` are those of all targets.
+TargetRow joint_row(JointResult result, const std::vector<std::string>& names);
 TargetRow failed_row(std::string name, const std::string& message);
 
 /// For a terminal: a line per target and unknown region, then the notes. Ends with a newline.

@@ -47,6 +47,7 @@ def test_what_does_not_fit_is_told(drawn, phantom, tmp_path):
     config = tmp_path / "organs.toml"
     config.write_text((pair / "organs.toml").read_text().replace('contour_sd_mm = "unknown"', "contour_sd_mm = 0.3"))
     for repeated, settings, code, word in ((phantom / "target.nii.gz", None, 4, "different grids"),
+                                           (pair / "reference.nii.gz", None, 4, "same labels"),
                                            (again, config, 2, "contour_sd_mm")):
         finished = recover(pair, repeated, tmp_path / "out", settings)
         assert finished.returncode == code and word in finished.stderr, finished.stderr

@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from tests.conftest import recover_arguments, run_palpate
+from tests.conftest import recover_arguments, run_palpate, with_unknown_ratio
 
 
 def prostate_kpa(folder):
@@ -37,7 +37,7 @@ def test_every_target_gets_its_folder_and_its_lines(two):
     assert {entry.name for entry in (folder / "out").iterdir()} == {"target", "still", "targets.csv"}
     with open(folder / "out" / "targets.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["target"] for row in rows] == ["target", "still", "joint"]
+    assert [row["target"] for row in rows] == ["target", "still"]
     assert float(rows[0]["stiffness_kpa"]) == pytest.approx(prostate_kpa(folder / "out" / "target"))
     assert float(rows[0]["low_kpa"]) < float(rows[0]["stiffness_kpa"]) < float(rows[0]["high_kpa"])
     assert rows[1]["verdict"] in ("weak", "not identifiable")
@@ -45,15 +45,56 @@ def test_every_target_gets_its_folder_and_its_lines(two):
         assert word in finished.stdout
 
 
-def test_what_all_targets_tell_is_the_last_line(two):
-    folder, finished = two
+@pytest.fixture(scope="module")
+def several(tmp_path_factory):
+    """Two targets of one reference, the second twice, and the reference itself; the contours as people draw them."""
+    folder = tmp_path_factory.mktemp("several")
+    made = []
+    for number in (1, 2):
+        finished = run_palpate("phantom", "pelvis", "--seed", 2, "--stiffness-kpa", 60, "--spacing", 2, 2, 2, "--nodes",
+                               8000, "--contours", "matern32:0.5:6", "--target", number, "--out",
+                               folder / f"phantom{number}", "--quiet")
+        assert finished.returncode == 0, finished.stderr
+        made.append(folder / f"phantom{number}")
+    first, second = made
+    arguments = recover_arguments(first, folder / "out", "--fields", "none")
+    for more in (shutil.copy(first / "reference.nii.gz", folder / "still.nii.gz"),
+                 shutil.copy(second / "target.nii.gz", folder / "again.nii.gz"), second / "target.nii.gz"):
+        arguments.insert(3, more)
+    return folder, run_palpate(*arguments)
+
+
+def test_what_all_targets_tell_is_the_last_line(several):
+    folder, finished = several
+    assert finished.returncode in (0, 7), finished.stderr
     with open(folder / "out" / "targets.csv", newline="") as file:
-        target, _, joint = csv.DictReader(file)
-    # A state in which nothing moved tells nothing: the joint estimate is that of the other one, or close.
-    assert float(target["low_kpa"]) < float(joint["stiffness_kpa"]) < float(target["high_kpa"])
+        *alone, joint = csv.DictReader(file)
+    assert float(joint["low_kpa"]) < 60 < float(joint["high_kpa"])
     assert float(joint["low_kpa"]) < float(joint["stiffness_kpa"]) < float(joint["high_kpa"])
-    assert joint["verdict"] and joint["region"] == "prostate" and "2 targets together" in joint["note"]
+    assert joint["verdict"] and joint["region"] == "prostate"
+    assert len(alone) == 4 and joint["target"] == "joint"
+
+
+def test_what_tells_nothing_of_its_own_is_left_out_of_the_joint_estimate(several):
+    _, finished = several
     assert "joint: of 2 targets together" in finished.stdout
+    assert "target-3 has the labels of target 2" in finished.stdout
+    assert "target-4 has the labels of the reference" in finished.stdout
+
+
+def test_one_target_that_tells_something_has_no_joint_line(two):
+    folder, _ = two
+    assert "joint" not in (folder / "out" / "targets.csv").read_text()
+
+
+def test_targets_that_did_not_converge_are_left_out(several, tmp_path):
+    folder, _ = several
+    first, second = folder / "phantom1", folder / "phantom2"
+    arguments = recover_arguments(first, tmp_path / "out", "--fields", "none", "--max-iterations", 1)
+    arguments.insert(3, second / "target.nii.gz")
+    finished = run_palpate(*arguments)
+    assert finished.returncode == 7, finished.stderr
+    assert "joint" not in finished.stdout
 
 
 def test_a_plan_tells_that_both_sides_tell_more(phantom):
@@ -69,7 +110,8 @@ def test_a_plan_tells_that_both_sides_tell_more(phantom):
 
 def test_a_plan_of_more_motion_and_better_contours_expects_more(phantom):
     factors = []
-    for more in (["--plan-motion", 2], ["--plan-motion", 6], ["--plan-motion", 6, "--plan-contours", 0.1]):
+    for more in (["--plan-motion", 1.5, "--plan-contours", 0.2], ["--plan-motion", 6, "--plan-contours", 0.2],
+                 ["--plan-motion", 6, "--plan-contours", 0.05]):
         finished = run_palpate("recover", phantom / "reference.nii.gz", "--config", phantom / "organs.toml", "--plan",
                                "--nodes", 2500, "--quiet", *more)
         assert finished.returncode == 0, finished.stderr
@@ -83,6 +125,28 @@ def test_what_belongs_to_a_plan_or_does_not_is_told(phantom, more, word):
     finished = run_palpate("recover", phantom / "reference.nii.gz", phantom / "target.nii.gz", "--config",
                            phantom / "organs.toml", *more)
     assert finished.returncode == 2 and word in finished.stderr, finished.stderr
+
+
+def test_a_plan_of_hardly_any_motion_tells_that_targets_would_tell_nothing(phantom):
+    finished = run_palpate("recover", phantom / "reference.nii.gz", "--config", phantom / "organs.toml", "--plan",
+                           "--plan-motion", 0.1, "--nodes", 2500, "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    lines = [line for line in finished.stdout.splitlines() if line.startswith("prostate")]
+    assert len(lines) == 3 and all("nothing" in line for line in lines)
+
+
+@pytest.mark.parametrize("more", [["--out", "plan"], ["--load-reduced", "saved.reduced"], ["--method", "nested-lbfgs"],
+                                  ["--repeated-reference", "again.nii.gz"]])
+def test_a_plan_refuses_what_it_makes_no_use_of(phantom, tmp_path, more):
+    finished = run_palpate("recover", phantom / "reference.nii.gz", "--config", phantom / "organs.toml", "--plan", *more)
+    assert finished.returncode == 2 and more[0] in finished.stderr, finished.stderr
+    assert len(finished.stderr.strip().splitlines()) == 1
+
+
+def test_a_plan_takes_no_unknown_ratio(phantom, tmp_path):
+    finished = run_palpate("recover", phantom / "reference.nii.gz", "--config", with_unknown_ratio(phantom, tmp_path),
+                           "--plan")
+    assert finished.returncode == 4 and "Poisson" in finished.stderr, finished.stderr
 
 
 def test_a_plan_takes_no_target(phantom):
