@@ -17,14 +17,32 @@ def needed(folder):
     return path
 
 
-def test_pelvis_mr_pair_meets_its_target(tmp_path):
+def recovered_mr_pair(config, out):
     data = needed("pelvis_mr_pair_prostatex0001")
     finished = run_palpate(
-        "recover", data / "reference_labels.nii.gz", data / "deformed_labels.nii.gz", "--config",
-        ROOT / "examples/pelvis_mr/organs.toml", "--initial-transform",
-        ROOT / "examples/pelvis_mr/align.tfm", "--out", tmp_path / "out", "--quiet")
+        "recover", data / "reference_labels.nii.gz", data / "deformed_labels.nii.gz", "--config", config,
+        "--initial-transform", ROOT / "examples/pelvis_mr/align.tfm", "--out", out, "--quiet")
     assert finished.returncode == 0, finished.stderr
-    report = json.loads((tmp_path / "out/result.json").read_text())
+    return json.loads((out / "result.json").read_text())
+
+
+def test_pelvis_mr_pair_tells_no_modulus_of_contours_that_are_half_a_millimetre_off(tmp_path):
+    report = recovered_mr_pair(ROOT / "examples/pelvis_mr/organs.toml", tmp_path / "out")
+    for surface in report["surfaces"]:
+        assert surface["mean_distance_mm_after"] <= 0.8
+    for zone in (region for region in report["regions"] if region["label"] in (2, 3)):
+        assert zone["verdict"] == "not identifiable"
+        assert zone["interval_kpa"][1] > 50 * zone["interval_kpa"][0]
+
+
+def test_pelvis_mr_pair_meets_its_target(tmp_path):
+    """Where contours are trusted as far as they fit."""
+    data = needed("pelvis_mr_pair_prostatex0001")
+    config = tmp_path / "organs.toml"
+    text = (ROOT / "examples/pelvis_mr/organs.toml").read_text()
+    assert "contour_sd_mm = 0.5" in text
+    config.write_text(text.replace("contour_sd_mm = 0.5", 'contour_sd_mm = "unknown"'))
+    report = recovered_mr_pair(config, tmp_path / "out")
     surfaces = {surface["name"]: surface for surface in report["surfaces"]}
     for name in ("bladder", "rectum"):
         assert surfaces[name]["dice_after"] >= 0.97
