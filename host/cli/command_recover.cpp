@@ -16,8 +16,10 @@
 #include "host/pipeline/recover.hpp"
 #include "host/pipeline/repeated_contours.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
+#include "host/pipeline/version.hpp"
 #include "host/program/interrupt.hpp"
 #include "host/report/result_folder.hpp"
+#include "host/report/targets_page.hpp"
 #include "host/report/targets_report.hpp"
 #include "host/report/text_report.hpp"
 #include "solver/base/error.hpp"
@@ -148,7 +150,7 @@ int recover_several(const RecoverArguments& arguments, RecoverOptions options,
     const auto add = [&](TargetRow row, int code) {
         rows.push_back(std::move(row));
         exit_code = worse(exit_code, code);
-        write_targets_file(folder, targets_csv(rows));
+        write_targets_files(folder, targets_csv(rows), targets_page(rows, version_text()));
     };
     report_progress(progress, "reading", 0, "reading the segmentations");
     const Segmentation reference = read_segmentation(arguments.reference, progress);
@@ -178,8 +180,8 @@ int recover_several(const RecoverArguments& arguments, RecoverOptions options,
                  }},
                 progress);
     end_progress_line();
-    fmt::print("{}\nreports: {}/*/report.html, table: {}/{}\n", targets_table(rows), arguments.out,
-               arguments.out, targets_file_name);
+    fmt::print("{}\nreports: {}/*/report.html, of all: {}/{}, table: {}/{}\n", targets_table(rows),
+               arguments.out, arguments.out, targets_page_name, arguments.out, targets_file_name);
     return exit_code;
 }
 

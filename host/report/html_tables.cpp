@@ -14,14 +14,6 @@
 namespace palpate {
 namespace {
 
-std::string chip(const std::string& verdict) {
-    const std::string kind = verdict == "recovered"          ? "good"
-                             : verdict == "weak"             ? "weak"
-                             : verdict == "not identifiable" ? "bad"
-                                                             : "plain";
-    return fmt::format("<span class='chip {}'>{}</span>", kind, escape_html(verdict));
-}
-
 std::string swatch(const RecoveryResult& result, Index region) {
     return fmt::format("<i class='swatch' style='background:{}'></i>",
                        region_colour(result, region));
@@ -52,7 +44,7 @@ std::string finding_card(const RecoveryResult& result, const RegionResult& r) {
         out +=
             fmt::format("<p class='value'>{} <small>kPa</small></p><p>95 % interval {} kPa</p>{}",
                         significant(r.stiffness_kpa), interval_cell(r), ratio_text(result, r));
-    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", chip(r.verdict),
+    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", verdict_chip(r.verdict),
                              escape_html(r.reason));
 }
 
@@ -65,8 +57,8 @@ std::string ratio_card(const RecoveryResult& result, const RegionResult& r) {
     else
         out += fmt::format("<p class='value'>{}</p><p>95 % interval {}</p>",
                            decimals(r.poisson_ratio, 2), ratio_interval_text(*r.ratio));
-    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", chip(r.ratio->verdict),
-                             escape_html(r.ratio->reason));
+    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>",
+                             verdict_chip(r.ratio->verdict), escape_html(r.ratio->reason));
 }
 
 std::string ratio_cell(const RegionResult& r) {
@@ -123,9 +115,13 @@ std::string facts(const std::vector<std::pair<std::string, std::string>>& rows) 
 std::string alignment_text(const AlignmentResult& a) {
     const double cosine = std::clamp((a.reference_to_target.rotation.trace() - 1) / 2, -1.0, 1.0);
     const Vec3& t = a.reference_to_target.translation;
-    return fmt::format("{}: shift ({}, {}, {}) mm LPS, rotation {}°", a.method, decimals(t.x(), 2),
-                       decimals(t.y(), 2), decimals(t.z(), 2),
-                       decimals(std::acos(cosine) * 180 / std::numbers::pi, 2));
+    std::string text = fmt::format("{}: shift ({}, {}, {}) mm LPS, rotation {}°", a.method,
+                                   decimals(t.x(), 2), decimals(t.y(), 2), decimals(t.z(), 2),
+                                   decimals(std::acos(cosine) * 180 / std::numbers::pi, 2));
+    if (a.moved_mm > 0 || a.turned_deg > 0)
+        text += fmt::format("; of this, the search itself moved it by {} mm and {}°",
+                            decimals(a.moved_mm, 2), decimals(a.turned_deg, 2));
+    return text;
 }
 
 std::string device_text(const BackendInfo& d) {
@@ -172,6 +168,14 @@ std::string number_cells(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::string verdict_chip(const std::string& verdict) {
+    const std::string kind = verdict == "recovered"          ? "good"
+                             : verdict == "weak"             ? "weak"
+                             : verdict == "not identifiable" ? "bad"
+                                                             : "plain";
+    return fmt::format("<span class='chip {}'>{}</span>", kind, escape_html(verdict));
+}
 
 std::string headline_html(const RecoveryResult& result) {
     std::vector<std::string> parts;
@@ -221,7 +225,7 @@ std::string regions_table_html(const RecoveryResult& result) {
             swatch(result, r.region), escape_html(r.name), r.label,
             escape_html(r.role + (r.hollow ? ", hollow" : "")),
             r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_cell(r) : "–",
-            ratio_cell(r), chip(r.verdict));
+            ratio_cell(r), verdict_chip(r.verdict));
     return out + "</tbody></table></div>" + deformation_table(result);
 }
 

@@ -128,7 +128,9 @@ Json alignment_json(const AlignmentResult& a) {
     return {{"method", a.method},
             {"rotation", rotation},
             {"translation_mm", vector3(a.reference_to_target.translation)},
-            {"mean_distance_mm", number(a.mean_distance_mm)}};
+            {"mean_distance_mm", number(a.mean_distance_mm)},
+            {"moved_by_search_mm", number(a.moved_mm)},
+            {"turned_by_search_deg", number(a.turned_deg)}};
 }
 
 Json correlation_json(const RecoveryResult& result) {

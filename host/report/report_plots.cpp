@@ -6,9 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <utility>
 
 #include "host/report/findings.hpp"
+#include "host/report/interval_chart.hpp"
 #include "host/report/markup.hpp"
 #include "host/report/plot.hpp"
 
@@ -49,24 +50,6 @@ const RegionResult* find_region(const RecoveryResult& result, Index region) {
 
 PlotAxis stiffness_axis(Extent extent, double room) {
     return {extent.low / room, extent.high * room, true, "Young's modulus E, kPa"};
-}
-
-std::string interval_row(const RecoveryResult& result, const RegionResult& r, double y,
-                         const std::function<double(double)>& x_of) {
-    const std::string colour = region_colour(result, r.region);
-    const double x = x_of(r.stiffness_kpa);
-    std::string out =
-        fmt::format("<text class='name' x='0' y='{:.1f}'>{}</text>", y + 4, escape_html(r.name));
-    if (has_interval(r))
-        out += fmt::format(
-            "<path class='whisker' style='stroke:{0}' d='M{1:.1f} {2:.1f}H{3:.1f}"
-            "M{1:.1f} {4:.1f}v10M{3:.1f} {4:.1f}v10'/>",
-            colour, x_of(r.interval_kpa[0]), y, x_of(r.interval_kpa[1]), y - 5);
-    if (r.unknown)
-        return out + fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='5.5' style='fill:{}'/>", x, y,
-                                 colour);
-    return out + fmt::format("<path class='given' d='M{:.1f} {:.1f}l5.5 5.5 -5.5 5.5 -5.5 -5.5z'/>",
-                             x, y - 5.5);
 }
 
 std::string profile_figure(const RecoveryResult& result, const ProfileResult& p) {
@@ -144,40 +127,17 @@ std::string moduli_figure(const RecoveryResult& result) {
 }  // namespace
 
 std::string interval_figure(const RecoveryResult& result) {
-    Extent extent;
-    int rows = 0;
+    std::vector<IntervalBar> bars;
     for (const RegionResult& r : result.regions) {
         if (!shown_in_intervals(r)) continue;
-        ++rows;
-        extent.add(r.stiffness_kpa);
-        if (has_interval(r)) extent.add(r.interval_kpa[0]), extent.add(r.interval_kpa[1]);
+        IntervalBar bar{r.name, r.stiffness_kpa, {}, region_colour(result, r.region), !r.unknown};
+        if (has_interval(r)) bar.interval = {r.interval_kpa[0], r.interval_kpa[1]};
+        bars.push_back(std::move(bar));
     }
-    if (rows == 0) return "";
-    const PlotAxis axis = stiffness_axis(extent, 1.35);
-    const double width = 900, names = 190, row_height = 30;
-    const double height = row_height * rows + 44;
-    const auto x_of = [&](double e) {
-        return names +
-               (width - names - 20) * std::log(e / axis.low) / std::log(axis.high / axis.low);
-    };
-    std::string out;
-    for (double v : tick_values(axis))
-        out += fmt::format(
-            "<path class='grid' d='M{0:.1f} 2V{1}'/><text class='tick' x='{0:.1f}' "
-            "y='{2}' text-anchor='middle'>{3:.6g}</text>",
-            x_of(v), row_height * rows + 4, row_height * rows + 18, v);
-    double y = row_height / 2 + 2;
-    for (const RegionResult& r : result.regions) {
-        if (!shown_in_intervals(r)) continue;
-        out += interval_row(result, r, y, x_of);
-        y += row_height;
-    }
-    out += fmt::format("<text class='label' x='{}' y='{}' text-anchor='middle'>{}</text>",
-                       (names + width) / 2, height - 6, escape_html(axis.label));
-    return figure(fmt::format("<svg class='plot wide' viewBox='0 0 {} {}' role='img' "
-                              "aria-label='Moduli with their 95 % intervals'>{}</svg>",
-                              width, height, out),
-                  "Dots: estimates with 95 % interval. Diamonds: given values.");
+    if (bars.empty()) return "";
+    return figure(
+        interval_chart(bars, "Young's modulus E, kPa", "Moduli with their 95 % intervals"),
+        "Dots: estimates with 95 % interval. Diamonds: given values.");
 }
 
 std::string profile_figures(const RecoveryResult& result) {

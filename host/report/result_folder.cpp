@@ -209,10 +209,13 @@ void check_targets_folder(const fs::path& folder, const std::vector<std::string>
     for (const std::string& name : names) check_result_folder(folder / name, overwrite);
 }
 
-void write_targets_file(const fs::path& folder, const std::string& text) {
+void write_targets_files(const fs::path& folder, const std::string& table,
+                         const std::string& page) {
     with_clear_errors(folder, [&] { fs::create_directories(folder); });
-    write_atomically(folder / targets_file_name,
-                     [&](const fs::path& temporary) { write_text_file(temporary, text); });
+    for (const auto& [name, text] :
+         {std::pair{targets_file_name, &table}, std::pair{targets_page_name, &page}})
+        write_atomically(folder / name,
+                         [&](const fs::path& temporary) { write_text_file(temporary, *text); });
 }
 
 void write_folder_atomically(const fs::path& folder, bool overwrite,

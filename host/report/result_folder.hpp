@@ -35,15 +35,18 @@ void write_result(const RecoveryResult& result, const std::filesystem::path& fol
 
 /// In the folder of a run with several targets, beside one result folder for each.
 inline constexpr const char* targets_file_name = "targets.csv";
+inline constexpr const char* targets_page_name = "targets.html";
 
 /// The same for a folder that will hold the result folders `names`. An existing one is used only
 /// with `overwrite`, and only if it holds a targets.csv; of what is in it, only the result folders
-/// `names` and targets.csv are replaced.
+/// `names`, targets.csv and targets.html are replaced.
 void check_targets_folder(const std::filesystem::path& folder,
                           const std::vector<std::string>& names, bool overwrite);
 
-/// Writes or replaces targets.csv. Missing folders are made. Throws Error(output_failed).
-void write_targets_file(const std::filesystem::path& folder, const std::string& text);
+/// Writes or replaces targets.csv and targets.html. Missing folders are made. Throws
+/// Error(output_failed).
+void write_targets_files(const std::filesystem::path& folder, const std::string& table,
+                         const std::string& page);
 
 /// Throws Error(output_failed) if `write_folder_atomically` would refuse `folder`, or if it exists
 /// without a file `mark`, which tells folders of palpate from others.

@@ -131,7 +131,7 @@ std::string targets_csv(const std::vector<TargetRow>& rows) {
 }
 
 std::vector<std::string> target_folder_names(const std::vector<std::filesystem::path>& targets) {
-    std::set<std::string> taken{targets_file_name, joint_row_name};
+    std::set<std::string> taken{targets_file_name, targets_page_name, joint_row_name};
     std::vector<std::string> names;
     for (const auto& target : targets) {
         std::string stem = without_endings(target);

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Several targets of one reference, and the reduced model saved for later ones."""
 import csv
+import re
 import json
 import shutil
 
@@ -34,7 +35,8 @@ def two(phantom, tmp_path_factory):
 def test_every_target_gets_its_folder_and_its_lines(two):
     folder, finished = two
     assert finished.returncode in (0, 7), finished.stderr
-    assert {entry.name for entry in (folder / "out").iterdir()} == {"target", "still", "targets.csv"}
+    assert {entry.name for entry in (folder / "out").iterdir()} == {"target", "still", "targets.csv",
+                                                                "targets.html"}
     with open(folder / "out" / "targets.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["target"] for row in rows] == ["target", "still"]
@@ -80,6 +82,23 @@ def test_what_tells_nothing_of_its_own_is_left_out_of_the_joint_estimate(several
     assert "joint: of 2 targets together" in finished.stdout
     assert "target-3 has the labels of target 2" in finished.stdout
     assert "target-4 has the labels of the reference" in finished.stdout
+
+
+def test_the_page_of_all_targets_shows_the_joint_estimate_and_links_to_every_report(several):
+    folder, _ = several
+    page = (folder / "out" / "targets.html").read_text()
+    with open(folder / "out" / "targets.csv", newline="") as file:
+        *alone, joint = csv.DictReader(file)
+    if joint["verdict"] == "not identifiable":
+        assert "<h1>prostate: not identifiable</h1>" in page
+    else:
+        headline = re.search(r"<h1>prostate: ([\d.]+) kPa \(95 % interval ([\d.]+) to ([\d.]+) kPa\)</h1>", page)
+        shown = [float(joint[name]) for name in ("stiffness_kpa", "low_kpa", "high_kpa")]
+        assert [float(text) for text in headline.groups()] == pytest.approx(shown, rel=0.01)
+    for row in alone:
+        assert f"<a href='{row['target']}/report.html'>" in page
+        assert (folder / "out" / row["target"] / "report.html").exists()
+    assert "<script" not in page and "://" not in page
 
 
 def test_one_target_that_tells_something_has_no_joint_line(two):

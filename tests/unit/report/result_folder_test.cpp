@@ -216,20 +216,20 @@ TEST_F(ResultFolder, WhereTheSystemForbidsItIsRefused) {
 }
 
 TEST_F(ResultFolder, OfSeveralTargetsIsUsedAgainOnlyWhenAskedAndKeepsWhatIsNotItsOwn) {
-    write_targets_file(folder / "out", "first\n");
+    write_targets_files(folder / "out", "first\n", "<p>first");
     std::ofstream(folder / "out" / "notes.txt") << "mine";
     std::filesystem::create_directories(folder / "out" / "two" / "of somebody");
     const auto check = [&](const std::vector<std::string>& names, bool overwrite) {
         return refusal([&] { check_targets_folder(folder / "out", names, overwrite); });
     };
 
-    write_targets_file(folder / "out", "second\n");
+    write_targets_files(folder / "out", "second\n", "<p>second");
 
     EXPECT_TRUE(holds(check({"one"}, false), "--overwrite"));
     EXPECT_EQ(check({"one"}, true), "no error");
     EXPECT_TRUE(holds(check({"one", "two"}, true), "no result.json"));
     EXPECT_EQ(content_of(folder / "out" / "targets.csv"), "second\n");
-    EXPECT_EQ(names_in(folder / "out"), "notes.txt targets.csv two");
+    EXPECT_EQ(names_in(folder / "out"), "notes.txt targets.csv targets.html two");
 }
 
 TEST_F(ResultFolder, AnEmptyFolderIsReplacedWhenAskedBecauseThereIsNothingToLose) {
