@@ -19,7 +19,8 @@ struct PhantomArguments {
     PelvisOptions pelvis;
     std::vector<double> spacing{1, 1, 1};
     std::vector<double> zones_kpa;
-    std::string out, material = name_of(TissueLaw::linear), contours = "exact", load = "mixed";
+    std::string out, material = name_of(TissueLaw::linear), contours = "exact", load = "mixed",
+                     anatomy = "usual";
     SolverArguments solver;
     MesherArguments mesher;
     bool quiet = false;
@@ -40,6 +41,8 @@ int run_pelvis(PhantomArguments arguments) {
     arguments.pelvis.contours =
         drawn_for(contour_error_of(arguments.contours), arguments.pelvis.seed);
     arguments.pelvis.load = drawn_for(load_family_of(arguments.load), arguments.pelvis.seed);
+    arguments.pelvis.anatomy =
+        drawn_for(anatomy_family_of(arguments.anatomy), arguments.pelvis.seed);
     arguments.pelvis.law = tissue_law_of(arguments.material);
     const auto progress = console_progress(arguments.quiet);
     will_write(arguments.out);
@@ -116,6 +119,11 @@ void add_phantom(CLI::App& app, Run& run) {
         ->add_option("--load", arguments->load,
                      "How the walls move: mixed, filling, bump, normal, tangential, shift, large, "
                      "or drawn")
+        ->capture_default_str();
+    pelvis
+        ->add_option("--anatomy", arguments->anatomy,
+                     "What kind of organs: usual, round, flat, touching (no tissue between them), "
+                     "cut (the images end within bladder and rectum), or drawn")
         ->capture_default_str();
     pelvis->add_option("--out", arguments->out, "Folder, made new")->required();
     pelvis->add_flag("--quiet", arguments->quiet, "No progress");

@@ -20,7 +20,7 @@ struct StudyArguments {
     StudyOptions study;
     std::vector<double> spacing{1, 1, 1};
     StudyRunOptions run;
-    std::string out, contours = "exact", load = "mixed";
+    std::string out, contours = "exact", load = "mixed", anatomy = "usual";
     SolverArguments solver;
     MesherArguments mesher;
     bool quiet = false;
@@ -42,6 +42,7 @@ int run_one(const StudyEntry& entry, StudyArguments arguments) {
     options.spacing = Vec3(arguments.spacing[0], arguments.spacing[1], arguments.spacing[2]);
     options.contours = contour_error_of(arguments.contours);
     options.load = load_family_of(arguments.load);
+    options.anatomy = anatomy_family_of(arguments.anatomy);
     options.mesher = mesher_options(arguments.mesher);
     options.solver = solver_options(arguments.solver);
     arguments.run.folder = arguments.out;
@@ -94,6 +95,11 @@ void add_phantom_options(CLI::App& command, const StudyEntry& entry, StudyArgume
         .add_option("--load", arguments.load,
                     "How the walls move: mixed, filling, bump, normal, tangential, shift, large; "
                     "or drawn, any but mixed for each phantom")
+        ->capture_default_str();
+    command
+        .add_option("--anatomy", arguments.anatomy,
+                    "What kind of organs: usual, round, flat, touching, cut; or drawn, any but "
+                    "usual for each phantom")
         ->capture_default_str();
     if (entry.has_images) {
         command

@@ -3,12 +3,23 @@
 #include "host/phantom/anatomy.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/imaging/parallel.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
+
+constexpr std::array<std::pair<AnatomyFamily, const char*>, 6> anatomy_names{
+    {{AnatomyFamily::usual, "usual"},
+     {AnatomyFamily::round, "round"},
+     {AnatomyFamily::flat, "flat"},
+     {AnatomyFamily::touching, "touching"},
+     {AnatomyFamily::cut, "cut"},
+     {AnatomyFamily::drawn, "drawn"}}};
 
 Mat3 small_rotation(RandomNumbers& random, double largest_deg) {
     const double angle = random.uniform(-largest_deg, largest_deg) * 3.14159265358979 / 180;
@@ -93,10 +104,25 @@ struct Placed {
     }
 };
 
-void place_organs(std::vector<Placed>& organs, RandomNumbers& random) {
+/// Changes prostate and bladder before they are put into their places.
+void shape_as(AnatomyFamily family, PelvisAnatomy& anatomy) {
+    Vec3 &of_prostate = anatomy.organs[prostate].semi_axes,
+         &of_bladder = anatomy.organs[bladder].semi_axes;
+    if (family == AnatomyFamily::round) {
+        of_prostate = Vec3::Constant(std::cbrt(of_prostate.prod()));
+        of_bladder = Vec3::Constant(std::cbrt(of_bladder.prod()));
+        anatomy.organs[prostate].taper = 0;
+    } else if (family == AnatomyFamily::flat) {
+        of_prostate = of_prostate.cwiseProduct(Vec3(1.2, 0.6, 1.1));
+        of_bladder = of_bladder.cwiseProduct(Vec3(1.1, 1.1, 0.6));
+    }
+}
+
+void place_organs(std::vector<Placed>& organs, RandomNumbers& random, AnatomyFamily family) {
     constexpr double smallest_gap_mm = 4.0;
     constexpr double smallest_bone_gap_mm = 8.0;
-    const auto gap = [&] { return random.uniform(3.2, 6.0); };
+    const bool is_touching = family == AnatomyFamily::touching;
+    const auto gap = [&] { return is_touching ? 0.0 : random.uniform(3.2, 6.0); };
     const auto overlap = [&] { return random.uniform(-6, -3); };
 
     const Vec3 up_and_forward{random.uniform(-0.08, 0.08), random.uniform(-0.45, -0.2), 1};
@@ -137,29 +163,84 @@ void fit_box(PelvisAnatomy& anatomy, const std::vector<Placed>& organs, const Ve
         anatomy.box_size[axis] = spacing[axis] * std::ceil(size / spacing[axis] - rounding);
     }
     anatomy.box_corner = 0.5 * (low + high) - 0.5 * anatomy.box_size;
+    anatomy.image_corner = anatomy.box_corner;
+    anatomy.image_size = anatomy.box_size;
+}
+
+/// The images end within bladder (above) and rectum (below), whole voxels of the box.
+void cut_image(PelvisAnatomy& anatomy, const std::vector<Placed>& organs, const Vec3& spacing) {
+    constexpr double shown_of_bladder = 0.6, hidden_of_rectum = 0.2;
+    const auto height = [&](PelvisOrgan organ, double share) {
+        double low = 1e9, high = -1e9;
+        for (const Vec3& x : organs[organ].points) {
+            low = std::min(low, organs[organ].shape.centre[2] + x[2]);
+            high = std::max(high, organs[organ].shape.centre[2] + x[2]);
+        }
+        return low + share * (high - low);
+    };
+    const auto voxels_below = [&](double z) {
+        return std::floor((z - anatomy.box_corner[2]) / spacing[2]);
+    };
+    const double below = voxels_below(height(rectum, hidden_of_rectum));
+    const double above = voxels_below(height(bladder, shown_of_bladder));
+    anatomy.image_corner[2] += below * spacing[2];
+    anatomy.image_size[2] = (above - below) * spacing[2];
+}
+
+ImageGrid grid_over(const Vec3& corner, const Vec3& size, const Vec3& spacing) {
+    ImageGrid grid;
+    for (int axis = 0; axis < 3; ++axis) {
+        grid.size[axis] = static_cast<Index>(std::lround(size[axis] / spacing[axis]));
+        grid.spacing[axis] = size[axis] / double(grid.size[axis]);
+    }
+    grid.origin = corner + 0.5 * grid.spacing;
+    return grid;
 }
 
 }  // namespace
 
-PelvisAnatomy make_anatomy(unsigned seed, const Vec3& spacing) {
+AnatomyFamily anatomy_family_of(const std::string& name) {
+    std::string known;
+    for (const auto& [family, text] : anatomy_names) {
+        if (name == text) return family;
+        known += std::string(known.empty() ? "" : ", ") + text;
+    }
+    throw Error(ErrorCode::invalid_argument,
+                "anatomy: '" + name + "' is not known; allowed: " + known);
+}
+
+std::string name_of(AnatomyFamily family) {
+    for (const auto& [known, text] : anatomy_names)
+        if (known == family) return text;
+    return {};
+}
+
+AnatomyFamily drawn_for(AnatomyFamily family, unsigned seed) {
+    if (family != AnatomyFamily::drawn) return family;
+    constexpr int first = 1, last = int(AnatomyFamily::drawn) - 1;
+    RandomNumbers random(0x73686170ull * 1000003ull + seed);
+    return AnatomyFamily(first + int(random.uniform(0, last - first + 1)));
+}
+
+PelvisAnatomy make_anatomy(unsigned seed, const Vec3& spacing, AnatomyFamily family) {
     RandomNumbers random(0x70656c76ull * 1000003ull + seed);
     PelvisAnatomy anatomy;
     anatomy.organs = {make_prostate(random), make_bladder(random), make_rectum(random),
                       make_bone(random), make_bone(random)};
+    shape_as(family, anatomy);
     std::vector<Placed> organs(anatomy.organs.begin(), anatomy.organs.end());
-    place_organs(organs, random);
+    place_organs(organs, random, family);
     fit_box(anatomy, organs, spacing);
+    if (family == AnatomyFamily::cut) cut_image(anatomy, organs, spacing);
     return anatomy;
 }
 
 ImageGrid grid_of_box(const PelvisAnatomy& anatomy, const Vec3& spacing) {
-    ImageGrid grid;
-    for (int axis = 0; axis < 3; ++axis) {
-        grid.size[axis] = static_cast<Index>(std::lround(anatomy.box_size[axis] / spacing[axis]));
-        grid.spacing[axis] = anatomy.box_size[axis] / grid.size[axis];
-    }
-    grid.origin = anatomy.box_corner + 0.5 * grid.spacing;
-    return grid;
+    return grid_over(anatomy.box_corner, anatomy.box_size, spacing);
+}
+
+ImageGrid grid_of_image(const PelvisAnatomy& anatomy, const Vec3& spacing) {
+    return grid_over(anatomy.image_corner, anatomy.image_size, spacing);
 }
 
 RegionImage fill_shapes(const PelvisAnatomy& anatomy, const ImageGrid& grid) {

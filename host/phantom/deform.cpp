@@ -9,6 +9,7 @@
 #include "host/imaging/label_image.hpp"
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/newton.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 
 namespace palpate {
 namespace {

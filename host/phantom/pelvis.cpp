@@ -132,11 +132,11 @@ RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions
 RegionImage drawn_image(const RegionMesh& mesh, const std::vector<Vec3>& nodes,
                         const PelvisAnatomy& anatomy, const PelvisOptions& options,
                         Index num_regions, unsigned image) {
-    const ImageGrid grid = grid_of_box(anatomy, options.spacing);
+    const ImageGrid grid = grid_of_image(anatomy, options.spacing);
     if (options.contours.style == ContourStyle::exact)
         return regions_on_grid(mesh, nodes, hollow_regions, grid);
     const Vec3 fine = (0.6 * options.spacing).cwiseMax(0.3).cwiseMin(0.8);
-    RegionImage truth = regions_on_grid(mesh, nodes, hollow_regions, grid_of_box(anatomy, fine));
+    RegionImage truth = regions_on_grid(mesh, nodes, hollow_regions, grid_of_image(anatomy, fine));
     const std::uint64_t other_targets = image > 1 ? std::uint64_t(image) << 40 : 0;
     const std::uint64_t seed = 2ull * options.seed + std::min(image, 1u) + other_targets;
     if (!options.zone_stiffness_kpa)
@@ -258,14 +258,14 @@ RegionMesh make_pelvis_mesh(const PelvisOptions& options, const MesherOptions& m
                             const ProgressSink& progress) {
     check_options(options);
     MesherSummary summary;
-    return make_reference_mesh(make_anatomy(options.seed, options.spacing), options, mesher,
-                               summary, progress);
+    return make_reference_mesh(make_anatomy(options.seed, options.spacing, options.anatomy),
+                               options, mesher, summary, progress);
 }
 
 WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOptions& mesher,
                                 const ProgressSink& progress) {
     check_options(options);
-    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing);
+    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing, options.anatomy);
     MesherSummary summary;
     const RegionMesh mesh = make_reference_mesh(anatomy, options, mesher, summary, progress);
     const Index num_regions = make_settings(options).num_regions();
@@ -277,7 +277,7 @@ WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOption
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
                           const MesherOptions& mesher, const ProgressSink& progress) {
     check_options(options);
-    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing);
+    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing, options.anatomy);
     PelvisPhantom phantom;
     phantom.settings = make_settings(options);
     const auto materials = make_materials(options, phantom.settings.num_regions());

@@ -29,6 +29,7 @@ struct PelvisOptions {
     Index num_nodes = 30000;       ///< of the mesh that the truth is solved on
     double tangential_factor = 1;  ///< on the walls' motion along themselves
     LoadFamily load = LoadFamily::mixed;
+    AnatomyFamily anatomy = AnatomyFamily::usual;
     double tumour_fraction = 0;  ///< of the prostate's volume that is tumour, 0..0.95; no label
     double tumour_stiffness_kpa = 100;
     /// Of transition and peripheral zone, 1..10000, which get labels of their own in place of the

@@ -71,6 +71,7 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"spacing_mm", to_json(options.spacing)},
         {"contours", to_text(options.contours)},
         {"load_family", name_of(options.load)},
+        {"anatomy", name_of(options.anatomy)},
         {"material", name_of(options.law)},
         {"regions", regions_to_json(phantom, options)},
         {"mesh",

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "solver/base/error.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 
 namespace palpate {
 namespace {

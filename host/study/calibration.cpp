@@ -49,12 +49,14 @@ void add_groups(const std::map<std::string, std::vector<Row>>& groups,
 }  // namespace
 
 std::vector<Calibration> calibration_by_family(const std::vector<Row>& rows) {
-    std::map<std::string, std::vector<Row>> by_load, by_contours;
+    std::map<std::string, std::vector<Row>> by_anatomy, by_load, by_contours;
     for (const Row& row : rows) {
+        by_anatomy["anatomy: " + row.text("anatomy")].push_back(row);
         by_load["load: " + row.text("load")].push_back(row);
         by_contours["contours: " + kind_of(row.text("contours"))].push_back(row);
     }
     std::vector<Calibration> families;
+    add_groups(by_anatomy, families);
     add_groups(by_load, families);
     add_groups(by_contours, families);
     families.push_back(calibration_of("all", rows));

@@ -24,8 +24,9 @@ struct Calibration {
     double narrowest_factor = 0;          ///< between the ends of the narrowest interval
 };
 
-/// By load, then by kind of contours, then of all; a grouping of one family only is left out.
-/// `rows` have load, contours, ln_error, claimed_sd, low_kpa, high_kpa and holds_truth.
+/// By anatomy, by load, then by kind of contours, then of all; a grouping of one family only is
+/// left out. `rows` have anatomy, load, contours, ln_error, claimed_sd, low_kpa, high_kpa and
+/// holds_truth.
 std::vector<Calibration> calibration_by_family(const std::vector<Row>& rows);
 
 TextTable calibration_table(const std::vector<Calibration>& families);

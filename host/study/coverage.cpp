@@ -69,7 +69,7 @@ StudyReport coverage_report(const std::vector<Row>& rows) {
 }
 
 std::vector<std::string> coverage_columns() {
-    std::vector<std::string> columns{"load", "contours"};
+    std::vector<std::string> columns{"anatomy", "load", "contours"};
     const std::vector<std::string> further = pelvis_columns();
     columns.insert(columns.end(), further.begin(), further.end());
     return columns;
@@ -88,7 +88,8 @@ Study make_coverage_study(const StudyOptions& options) {
         const unsigned seed = options.first_seed + unsigned(k);
         PelvisCase work;
         work.truth = pelvis_options(options, seed, drawn_stiffness_kpa(seed));
-        work.labels = {{"load", name_of(work.truth.load)},
+        work.labels = {{"anatomy", name_of(work.truth.anatomy)},
+                       {"load", name_of(work.truth.load)},
                        {"contours", to_text(work.truth.contours)}};
         StudyCase one = study_case(work, options);
         one.id = fmt::format("seed-{}", seed);

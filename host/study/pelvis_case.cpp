@@ -76,6 +76,7 @@ PelvisOptions pelvis_options(const StudyOptions& options, unsigned seed, double 
     truth.spacing = options.spacing;
     truth.contours = drawn_for(options.contours, seed);
     truth.load = drawn_for(options.load, seed);
+    truth.anatomy = drawn_for(options.anatomy, seed);
     truth.num_nodes = options.phantom_nodes;
     truth.tangential_factor = options.tangential;
     return truth;
@@ -154,6 +155,7 @@ std::vector<std::pair<std::string, std::string>> pelvis_settings(const StudyOpti
                                 options.spacing[2])},
         {"contours", to_text(options.contours)},
         {"load", name_of(options.load)},
+        {"anatomy", name_of(options.anatomy)},
         {"nodes", fmt::format("{}", options.mesher.num_nodes)},
         {"phantom nodes", fmt::format("{}", options.phantom_nodes)},
         {"tangential factor", fmt::format("{}", options.tangential)},

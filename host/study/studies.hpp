@@ -21,6 +21,7 @@ struct StudyOptions {
     Vec3 spacing{1, 1, 1};         ///< mm, of the label volumes
     ContourErrorOptions contours;  ///< how both label volumes are drawn
     LoadFamily load = LoadFamily::mixed;
+    AnatomyFamily anatomy = AnatomyFamily::usual;
     double tangential = 1;  ///< factor on the walls' motion along themselves
     MesherOptions mesher;   ///< of the recovery; `num_nodes` is its mesh size
     LinearSolverOptions solver;

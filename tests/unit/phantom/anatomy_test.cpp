@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "host/phantom/wall_motion.hpp"
+#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -140,6 +143,45 @@ TEST(OrganShape, ReportsGapAndOverlap) {
     EXPECT_NEAR(gap_between(a, points, b, points), 3.5, 0.2);
     b.centre = Vec3(18, 0, 0);
     EXPECT_NEAR(gap_between(a, points, b, points), -2, 0.3);
+}
+
+double gap_of(const PelvisAnatomy& anatomy, PelvisOrgan a, PelvisOrgan b) {
+    const auto &first = anatomy.organs[a], &second = anatomy.organs[b];
+    return gap_between(first, surface_points(first), second, surface_points(second));
+}
+
+TEST(AnatomyFamilies, AreWhatTheirNamesSay) {
+    const Vec3 spacing(1, 1, 2);
+    const auto of = [&](AnatomyFamily family) { return make_anatomy(5, spacing, family); };
+    const Vec3 round = of(AnatomyFamily::round).organs[prostate].semi_axes;
+    const Vec3 flat = of(AnatomyFamily::flat).organs[prostate].semi_axes;
+    EXPECT_DOUBLE_EQ(round.minCoeff(), round.maxCoeff());
+    EXPECT_LT(flat[1], 0.6 * flat[0]);
+    EXPECT_LT(std::abs(gap_of(of(AnatomyFamily::touching), prostate, bladder)), 0.6);
+    EXPECT_GT(gap_of(of(AnatomyFamily::usual), prostate, bladder), 2.0);
+
+    const PelvisAnatomy cut = of(AnatomyFamily::cut);
+    const ImageGrid grid = grid_of_image(cut, spacing);
+    const RegionImage image = fill_shapes(cut, grid);
+    const auto slice_shows = [&](Index k, PelvisOrgan organ) {
+        const auto begin = image.voxels.begin() + grid.size[0] * grid.size[1] * k;
+        return std::count(begin, begin + grid.size[0] * grid.size[1], first_organ_region + organ) >
+               0;
+    };
+    EXPECT_EQ(grid.spacing, spacing);
+    EXPECT_TRUE(slice_shows(0, rectum));
+    EXPECT_TRUE(slice_shows(grid.size[2] - 1, bladder));
+    EXPECT_FALSE(slice_shows(0, prostate));
+    EXPECT_FALSE(slice_shows(grid.size[2] - 1, prostate));
+}
+
+TEST(AnatomyFamilies, AreDrawnAllAndByName) {
+    std::set<AnatomyFamily> drawn;
+    for (unsigned seed = 1; seed < 60; ++seed) drawn.insert(drawn_for(AnatomyFamily::drawn, seed));
+    EXPECT_EQ(drawn, (std::set{AnatomyFamily::round, AnatomyFamily::flat, AnatomyFamily::touching,
+                               AnatomyFamily::cut}));
+    for (const AnatomyFamily family : drawn) EXPECT_EQ(anatomy_family_of(name_of(family)), family);
+    EXPECT_THROW(anatomy_family_of("square"), Error);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace {
 
 Row row_of(const std::string& load, const std::string& contours, double error, double claimed) {
     Row row;
+    row.set("anatomy", "usual");
     row.set("load", load);
     row.set("contours", contours);
     row.set("ln_error", error, 6);
