@@ -28,7 +28,7 @@ constexpr int most_settling_steps = 10;
 constexpr int noise_rounds = 4;  // at each linearisation
 constexpr double deeper = 0.1;   // of F, by which another valley must be
 constexpr double stiff_share = 0.25, body_share = 3.0;
-constexpr double first_contour_mm = 0.3, least_contour_mm = 0.05;
+constexpr double first_contour_mm = 1.0, least_contour_mm = 0.05;
 constexpr double mm_per_unit_ln = 10.0;  // weight of ln E beside one driven component, in Anderson
 
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.

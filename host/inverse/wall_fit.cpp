@@ -26,9 +26,16 @@ constexpr double normal_of_sd = 0.8, range_of_range = 0.75, tangential_median = 
 constexpr double normal_spread = 0.79, range_spread = 0.59,
                  tangential_spread = 0.79;  // ln 2.2, 1.8
 constexpr double rigid_of_sd = 0.6;
+constexpr double slide_mm = 1.5;  // along a wall, however little its normals show
 constexpr double farthest = 3.0;  // from the medians, in these
 constexpr double least_range_mm = 10.0;
 constexpr double nugget = 1e-6;  // of the variance, so that long ranges can be factorised
+
+/// Motion along a wall over that along its normals. Distances hardly see a wall slide along itself,
+/// so that they cannot exclude it.
+double tangential_of(const WallMotionScale::Wall& wall, double fitted) {
+    return std::hypot(fitted, slide_mm / wall.normal_mm);
+}
 
 double matern32(double distance, double range) {
     const double q = std::numbers::sqrt3 * distance / range;
@@ -168,7 +175,8 @@ public:
         const SerialBlas serial;
         parallel_ranges(static_cast<Index>(walls_.size()), 1, [&](Index begin, Index end) {
             for (Index w = begin; w < end; ++w)
-                costs[w] = cost_of(walls_[w], scale.walls[w], scale.tangential);
+                costs[w] = cost_of(walls_[w], scale.walls[w],
+                                   tangential_of(scale.walls[w], scale.tangential));
         });
         double sum = 0;
         for (const double one : costs) sum += one;
@@ -224,7 +232,7 @@ std::shared_ptr<const WallPrior> walls_of(const WallPrior& prior, const WallMoti
         WallPrior::Wall wall{nodes,
                              Eigen::MatrixXd(n, n),
                              {},
-                             scale.tangential,
+                             tangential_of(scale.walls[w], scale.tangential),
                              rigid_motions(places_of(prior, w), scale.rigid_mm)};
         wall.normals.resize(n, 3);
         const double variance = std::pow(scale.walls[w].normal_mm, 2);

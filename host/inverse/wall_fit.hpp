@@ -18,7 +18,8 @@ struct WallMotionScale {
         double range_mm = 0;
     };
     std::vector<Wall> walls;  ///< in the order of the prior's
-    double tangential = 1;    ///< motion along walls over that along their normals
+    double tangential = 1;    ///< motion along walls over that along their normals, but for a least
+                              ///< motion of 1.5 mm that is always possible
     double rigid_mm = 0;      ///< standard deviation of each wall's shift and turn as a body
 };
 

@@ -406,12 +406,22 @@ TEST(Uncertainty, WithoutInformationThePriorIsLeft) {
 
 TEST(Uncertainty, ModelErrorAddsInQuadratureOnBothSides) {
     const double sd = 0.2;
+    constexpr double wide_prior = 1e6;
     const auto widened =
-        with_model_error({80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, 80);
+        with_model_error({80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, 80, sd, wide_prior);
 
-    const double expected = 1.96 * std::sqrt(sd * sd + model_sd_ln * model_sd_ln);
-    EXPECT_NEAR(std::log(widened[1] / 80), expected, 1e-12);
-    EXPECT_NEAR(std::log(widened[0] / 80), -expected, 1e-12);
+    const double whole = std::hypot(data_sd_factor * sd, model_sd_ln);
+    EXPECT_NEAR(sd_ln_with_model_error(sd, wide_prior, 0), whole, 1e-9);
+    EXPECT_NEAR(std::log(widened[1] / 80), 1.96 * whole, 1e-9);
+    EXPECT_NEAR(std::log(widened[0] / 80), -1.96 * whole, 1e-9);
+}
+
+TEST(Uncertainty, WhatThePriorTellsIsNotStretched) {
+    constexpr double prior = 1.2;
+    EXPECT_NEAR(sd_ln_with_model_error(prior, prior, 0), std::hypot(prior, model_sd_ln), 1e-12);
+    const double half = sd_ln_with_model_error(0.5 * prior, prior, 0);
+    EXPECT_GT(half, 0.5 * prior);
+    EXPECT_LT(half, data_sd_factor * 0.5 * prior);
 }
 
 TEST(Uncertainty, ModelErrorGrowsWithTheContours) {
