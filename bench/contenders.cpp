@@ -5,6 +5,7 @@
 #include "bench/peers/peer.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 
 namespace palpate::bench {
 namespace {

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
-"""Fails on any #include that points against the direction of data flow.
+"""Fails on any #include that points against the direction of data flow, and on any that goes in a circle.
 
 A file may include its own folder and the folders listed for it, which are written below in the order
-of the layers. See CONTRIBUTING.md for the picture.
+of the layers. See CONTRIBUTING.md for the picture. A unit (a header with the source of the same name)
+may not include, through whatever others, itself.
 """
 import pathlib
 import re
@@ -86,11 +87,46 @@ def violations():
                     yield f"{source}:{number}: {folder_of(source)} may not include {match.group(1)}"
 
 
+def included_units():
+    """{unit: units that its header or source includes}, each a path without its ending."""
+    units = {}
+    for top in ("solver", "host"):
+        for path in sorted((ROOT / top).rglob("*")):
+            if path.suffix not in (".cpp", ".hpp", ".h"):
+                continue
+            unit = path.relative_to(ROOT).with_suffix("")
+            matches = map(INCLUDE.match, path.read_text().splitlines())
+            included = {pathlib.Path(match.group(1)).with_suffix("") for match in matches if match}
+            units.setdefault(unit, set()).update(included - {unit})
+    return units
+
+
+def circles():
+    """One sentence for each set of units that include each other: depth first, a unit met again while open."""
+    units, done, told = included_units(), set(), set()
+
+    def walk(unit, way):
+        if unit in way:
+            circle = way[way.index(unit):]
+            if frozenset(circle) not in told:
+                told.add(frozenset(circle))
+                yield "circle of includes: " + " -> ".join(map(str, [*circle, unit]))
+            return
+        if unit in done:
+            return
+        for included in sorted(units.get(unit, ())):
+            yield from walk(included, [*way, unit])
+        done.add(unit)
+
+    for unit in units:
+        yield from walk(unit, [])
+
+
 def main():
-    found = list(violations())
+    found = list(violations()) + list(circles())
     for line in found:
         print(line, file=sys.stderr)
-    print("layers: " + (f"{len(found)} includes against the flow" if found else "ok"))
+    print("layers: " + (f"{len(found)} includes against the flow or in a circle" if found else "ok"))
     return 1 if found else 0
 
 

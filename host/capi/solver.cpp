@@ -15,6 +15,7 @@
 #include "host/capi/solver_options.hpp"
 #include "solver/adjoint/adjoint.hpp"
 #include "solver/backend/registry.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 #include "solver/model/stiffness_matrix.hpp"
 
 using namespace palpate;

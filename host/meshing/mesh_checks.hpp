@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host/meshing/mesher.hpp"
+#include "host/imaging/label_image.hpp"
+#include "host/meshing/mesh_quality.hpp"
+#include "host/meshing/region_mesh.hpp"
 
 namespace palpate {
 

@@ -7,19 +7,11 @@
 #include <vector>
 
 #include "host/imaging/label_field.hpp"
-#include "host/surfaces/surface.hpp"
+#include "host/meshing/mesh_quality.hpp"
+#include "host/meshing/region_mesh.hpp"
 #include "solver/base/log.hpp"
-#include "solver/mesh/mesh.hpp"
 
 namespace palpate {
-
-/// A tetrahedral mesh and the region surface it conforms to: `surface.vertices` are the first nodes
-/// of the mesh or, for any mesher, `surface.triangles` index `mesh.nodes` directly (then
-/// `surface.vertices` equals `mesh.nodes`). Tets carry region numbers; hollow regions hold no tets.
-struct RegionMesh {
-    Mesh mesh;
-    RegionSurface surface;
-};
 
 enum class MesherKind { automatic, tetgen, cgal };
 
@@ -32,15 +24,6 @@ struct MesherOptions {
     double memory_limit_gib = 8;
     std::filesystem::path program;  ///< palpate-mesh; empty: beside the running program, then PATH
 };
-
-struct MeshQuality {
-    Index num_nodes = 0, num_tets = 0, num_inverted = 0;
-    double min_dihedral_deg = 0, max_dihedral_deg = 0;
-    double min_volume_mm3 = 0;
-    std::vector<double> region_volume_mm3;  ///< by region number
-};
-
-MeshQuality mesh_quality(const Mesh& mesh, Index num_regions);
 
 struct MesherSummary {
     std::string mesher;    ///< "TetGen 1.5.0", "CGAL 5.5.1"

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
+#include "host/pipeline/assemble_result.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,7 +14,6 @@
 #include "host/meshing/rasterise.hpp"
 #include "host/modelling/regions.hpp"
 #include "host/pipeline/deformation.hpp"
-#include "host/pipeline/finish.hpp"
 #include "host/pipeline/judged_modulus.hpp"
 #include "host/pipeline/observed_target.hpp"
 #include "host/pipeline/surface_agreement.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "host/inverse/uncertainty.hpp"
-#include "host/pipeline/recover.hpp"
+#include "host/pipeline/recover_options.hpp"
 #include "solver/base/error.hpp"
 #include "solver/model/node_rows.hpp"
 

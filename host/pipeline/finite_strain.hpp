@@ -8,12 +8,10 @@
 #include "host/inverse/map_estimate.hpp"
 #include "host/inverse/uncertainty.hpp"
 #include "host/modelling/tissue_law.hpp"
-#include "host/pipeline/mechanics.hpp"
+#include "host/pipeline/recover_options.hpp"
 #include "solver/equilibrium/newton.hpp"
 
 namespace palpate {
-
-struct RecoverOptions;
 
 struct FiniteStrainOptions {
     int max_rounds = 8;  ///< linearisations at most

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
+#include "host/pipeline/full_model.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/pipeline/finish.hpp"
 #include "host/pipeline/mechanics.hpp"
 #include "solver/base/error.hpp"
 #include "solver/model/stiffness_matrix.hpp"

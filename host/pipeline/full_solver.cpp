@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pipeline/full_solver.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 
 #include <utility>
 

@@ -8,7 +8,7 @@
 #include "host/inverse/response_model.hpp"
 #include "host/inverse/wall_prior.hpp"
 #include "host/modelling/build_model.hpp"
-#include "host/pipeline/stages.hpp"
+#include "host/pipeline/stage_timer.hpp"
 #include "solver/condense/condensation.hpp"
 
 namespace palpate {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/objectives/surface_observations.hpp"
-#include "host/pipeline/states.hpp"
+#include "host/pipeline/target_state.hpp"
 
 namespace palpate {
 

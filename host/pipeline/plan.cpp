@@ -15,8 +15,8 @@
 #include "host/inverse/wall_fit.hpp"
 #include "host/modelling/regions.hpp"
 #include "host/pipeline/observed_target.hpp"
-#include "host/pipeline/prepared.hpp"
-#include "host/pipeline/states.hpp"
+#include "host/pipeline/search_target.hpp"
+#include "host/pipeline/target_state.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -103,8 +103,9 @@ PlannedInterval Planner::interval(const std::pair<int, int>& targets, const Eige
     const double contours_mm =
         std::numbers::sqrt2 * contour_mm_ * std::sqrt(all.shares(theta).col(unknown).maxCoeff());
     PlannedInterval interval{targets.first, targets.second, 0, true};
-    interval.sd_ln = std::hypot(std::sqrt(laplace_covariance(all, theta)(unknown, unknown)),
-                                model_sd_ln_with(contours_mm));
+    interval.sd_ln =
+        sd_ln_with_model_error(std::sqrt(laplace_covariance(all, theta)(unknown, unknown)),
+                               mechanics_.priors[unknown].sd_ln, contours_mm);
     ModulusEvidence evidence;
     evidence.sd_ln = interval.sd_ln;
     evidence.prior_sd_ln = mechanics_.priors[unknown].sd_ln;

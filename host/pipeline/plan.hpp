@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "host/pipeline/recover.hpp"
+#include "host/pipeline/recover_options.hpp"
+#include "host/pipeline/segmentation.hpp"
 #include "host/report/plan_report.hpp"
 
 namespace palpate {

@@ -10,7 +10,7 @@
 
 #include "host/inverse/uncertainty.hpp"
 #include "host/modelling/regions.hpp"
-#include "host/pipeline/recover.hpp"
+#include "host/pipeline/recover_options.hpp"
 
 namespace palpate {
 namespace {

@@ -7,11 +7,9 @@
 
 #include "host/inverse/map_estimate.hpp"
 #include "host/inverse/poisson_search.hpp"
-#include "host/pipeline/mechanics.hpp"
+#include "host/pipeline/recover_options.hpp"
 
 namespace palpate {
-
-struct RecoverOptions;
 
 /// What a search with unknown Poisson's ratios finds.
 struct PoissonEstimate {

@@ -8,13 +8,13 @@
 #include <optional>
 #include <utility>
 
-#include "host/imaging/io.hpp"
+#include "host/pipeline/assemble_result.hpp"
 #include "host/pipeline/joint_estimate.hpp"
 #include "host/pipeline/landmarks.hpp"
 #include "host/pipeline/partial_target.hpp"
 #include "host/pipeline/poisson_ratios.hpp"
-#include "host/pipeline/prepared.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
+#include "host/pipeline/search_target.hpp"
 
 namespace palpate {
 namespace {
@@ -204,17 +204,6 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
 }
 
 }  // namespace
-
-Segmentation read_segmentation(const std::filesystem::path& path, const ProgressSink& progress) {
-    Segmentation segmentation;
-    segmentation.labels = read_label_image(path, progress, &segmentation.warnings);
-    segmentation.name = path.filename().string();
-    return segmentation;
-}
-
-bool is_same(const Segmentation& a, const Segmentation& b) {
-    return a.labels.grid.is_like(b.labels.grid) && a.labels.voxels == b.labels.voxels;
-}
 
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
                  const RecoverOptions& options, const TargetSinks& tell,

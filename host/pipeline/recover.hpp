@@ -2,80 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "host/imaging/label_image.hpp"
-#include "host/inverse/map_estimate.hpp"
-#include "host/inverse/nested_lbfgs.hpp"
-#include "host/meshing/mesher.hpp"
-#include "host/modelling/alignment.hpp"
-#include "host/modelling/settings.hpp"
-#include "host/modelling/tissue_law.hpp"
-#include "host/pipeline/mechanics.hpp"
+#include "host/pipeline/partial_target.hpp"
+#include "host/pipeline/recover_options.hpp"
+#include "host/pipeline/segmentation.hpp"
 #include "host/result/joint_result.hpp"
 #include "host/result/recovery_result.hpp"
-#include "host/surfaces/surface.hpp"
 #include "solver/base/error.hpp"
-#include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
-
-/// How moduli and wall motion are searched.
-enum class SearchMethod {
-    map,           ///< the most probable ones, with intervals
-    nested_lbfgs,  ///< the published baseline, without intervals
-};
-
-struct RecoverOptions {
-    Settings settings;
-    MesherOptions mesher;
-    std::filesystem::path mesh;  ///< ready mesh (.vtu with `region` labels) or empty
-    AlignMethod align = AlignMethod::automatic;  ///< fixed organs if there are any, else centroids
-    std::filesystem::path
-        initial_transform;  ///< rigid ITK transform, reference to target, or empty
-    LinearSolverOptions solver;
-    MechanicsOptions mechanics;
-    SearchMethod method = SearchMethod::map;
-    TissueLaw law = TissueLaw::linear;
-    MapOptions search;
-    NestedOptions nested;                ///< for `nested_lbfgs`
-    std::vector<Landmark> landmarks;     ///< measured at the end, not used by the search
-    std::filesystem::path save_reduced;  ///< file for the mesh and the reduced model, or empty
-    /// Such a file, used instead of meshing and condensing, or empty. `mesh` and `mesher` are then
-    /// not read. Another reference or other settings than it was saved for: Error(input_unusable).
-    std::filesystem::path load_reduced;
-};
-
-/// A label volume and what messages and reports call it.
-struct Segmentation {
-    LabelImage labels;
-    std::string name;
-    std::vector<std::string> warnings = {};  ///< sentences about what is odd in its file
-};
-
-Segmentation read_segmentation(const std::filesystem::path& path,
-                               const ProgressSink& progress = {});
-
-/// Whether both have the same labels at the same places.
-bool is_same(const Segmentation& a, const Segmentation& b);
-
-/// The surface of one organ, which may be open, or points on it, mm LPS.
-struct OrganTarget {
-    std::string organ;  ///< its name in the settings
-    std::string name;   ///< for messages and the report
-    std::variant<Surface, std::vector<Vec3>> shape;
-};
-
-/// A target of which no label volume exists. Organs that are not given, and what a shape does not
-/// show of one, carry no data.
-struct PartialTarget {
-    std::vector<OrganTarget> organs;
-    double noise_mm = 0.5;  ///< standard deviation of its points about the organs' surfaces
-};
 
 /// Receives the result of each target, in order, and the seconds that it took beyond what is done
 /// once for all targets.

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/pipeline/states.hpp"
+#include "host/pipeline/target_state.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

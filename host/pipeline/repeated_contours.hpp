@@ -3,7 +3,7 @@
 #pragma once
 
 #include "host/modelling/settings.hpp"
-#include "host/pipeline/recover.hpp"
+#include "host/pipeline/segmentation.hpp"
 
 namespace palpate {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/pipeline/prepared.hpp"
+#include "host/pipeline/prepared_reference.hpp"
 
 namespace palpate {
 

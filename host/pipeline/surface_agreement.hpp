@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/pipeline/finish.hpp"
+#include "host/pipeline/recovered.hpp"
+#include "host/pipeline/target_state.hpp"
+#include "host/result/recovery_result.hpp"
 
 namespace palpate {
 

@@ -44,8 +44,6 @@ std::string series_pvd(const SimulationResult& result) {
 
 }  // namespace
 
-std::string state_file_name(std::size_t state) { return fmt::format("state_{:04}.vtu", state); }
-
 void check_simulation_folder(const std::filesystem::path& folder, bool overwrite) {
     check_output_folder(folder, mark, overwrite);
 }

@@ -18,7 +18,4 @@ void check_simulation_folder(const std::filesystem::path& folder, bool overwrite
 void write_simulation(const SimulationResult& result, const std::filesystem::path& folder,
                       bool overwrite);
 
-/// "state_0012.vtu"
-std::string state_file_name(std::size_t state);
-
 }  // namespace palpate

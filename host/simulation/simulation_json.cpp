@@ -8,7 +8,6 @@
 #include "host/pipeline/version.hpp"
 #include "host/report/plain_text.hpp"
 #include "host/simulation/simulation_findings.hpp"
-#include "host/simulation/simulation_folder.hpp"
 #include "solver/materials/registry.hpp"
 
 namespace palpate {
@@ -195,5 +194,7 @@ std::string reactions_csv(const SimulationResult& result) {
     }
     return out;
 }
+
+std::string state_file_name(std::size_t state) { return fmt::format("state_{:04}.vtu", state); }
 
 }  // namespace palpate

@@ -17,4 +17,7 @@ std::string simulation_json(const SimulationResult& result);
 /// on the body.
 std::string reactions_csv(const SimulationResult& result);
 
+/// The file of a state beside it: "state_0012.vtu".
+std::string state_file_name(std::size_t state);
+
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #endif
 #ifdef PALPATE_WITH_OPENCL
 #include "solver/backends/opencl/opencl_backend.hpp"
+#include "solver/backends/opencl/opencl_devices.hpp"
 #endif
 
 namespace palpate {

@@ -6,6 +6,7 @@
 
 #include "solver/equilibrium/solid_assembly.hpp"
 #include "solver/linear/direct_columns.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 
 namespace palpate {
 namespace {

@@ -69,10 +69,4 @@ public:
     virtual LinearSolverInfo describe() const = 0;
 };
 
-/// Builds the solver for `model` (copied) that `choose_method` picks: a factorisation on the host,
-/// or conjugate gradients with fp64 refinement on `options.backend`.
-/// Throws Error(unsupported) for a method or back end that this build does not have.
-std::unique_ptr<LinearSolver> make_linear_solver(const Model& model,
-                                                 const LinearSolverOptions& options);
-
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "solver/linear/linear_solver.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@
 #include <sstream>
 
 #include "host/pipeline/mechanics.hpp"
-#include "host/pipeline/prepared.hpp"
+#include "host/pipeline/search_target.hpp"
 #include "host/surfaces/point_shape.hpp"
 #include "host/surfaces/surface_shape.hpp"
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <sstream>
 
-#include "solver/linear/linear_solver.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "solver/elements/tet4.hpp"
-#include "solver/linear/linear_solver.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "solver/linear/linear_solver.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"

@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "solver/backends/opencl/device_choice.hpp"
-#include "solver/backends/opencl/opencl_backend.hpp"
+#include "solver/backends/opencl/opencl_devices.hpp"
 #include "solver/backends/opencl/pocl_environment.hpp"
 
 namespace palpate {

@@ -3,10 +3,8 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "solver/backend/backend.hpp"
-#include "solver/backend/registry.hpp"
 
 namespace palpate {
 
@@ -20,8 +18,5 @@ std::unique_ptr<Backend> make_opencl_backend(const BackendOptions& options);
 /// The same on a device that is open already; `options.device` is not read.
 std::unique_ptr<Backend> make_opencl_backend_on(std::shared_ptr<OpenclDevice> device,
                                                 const BackendOptions& options);
-
-/// Every OpenCL device of this machine; empty if there is no driver.
-std::vector<DeviceInfo> opencl_devices();
 
 }  // namespace palpate

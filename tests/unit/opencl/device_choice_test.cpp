@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "solver/backends/opencl/opencl_backend.hpp"
+#include "solver/backends/opencl/opencl_devices.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

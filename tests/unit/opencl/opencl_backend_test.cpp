@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/backends/opencl/opencl_backend.hpp"
+#include "solver/backends/opencl/opencl_devices.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "solver/backends/opencl/opencl_backend.hpp"
+#include "solver/backends/opencl/opencl_devices.hpp"
 
 // For pocl_environment_test.cpp, as the environment belongs to a process: prints what PoCL sees.
 int main() {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include "host/pipeline/saved_reference.hpp"
+#include "host/pipeline/search_target.hpp"
 
 #include <fmt/format.h>
 

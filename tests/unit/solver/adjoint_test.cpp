@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "solver/linear/make_linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/linear_solvers.hpp"

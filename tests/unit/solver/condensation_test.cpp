@@ -8,6 +8,7 @@
 #include <random>
 
 #include "solver/base/error.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/linear_solvers.hpp"

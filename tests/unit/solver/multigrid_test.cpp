@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "solver/backend/registry.hpp"
+#include "solver/linear/make_linear_solver.hpp"
 #include "solver/model/stiffness_matrix.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/meshes.hpp"

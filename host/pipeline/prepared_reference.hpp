@@ -5,12 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "host/objectives/surface_observations.hpp"
-#include "host/pipeline/finish.hpp"
+#include "host/pipeline/full_solver.hpp"
 #include "host/pipeline/mechanics.hpp"
-#include "host/pipeline/observed_target.hpp"
-#include "host/pipeline/stages.hpp"
-#include "host/pipeline/states.hpp"
+#include "host/pipeline/reference_state.hpp"
+#include "host/pipeline/stage_timer.hpp"
 
 namespace palpate {
 
@@ -36,16 +34,5 @@ PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, Mesher
 /// Sets up the solver of the whole model, in the background.
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
                                               const LinearSolverOptions& options);
-
-/// Moduli, wall motion, field and forces for one target, from `start_target_shapes` of it.
-Recovered search_target(const PreparedReference& prepared, const TargetState& target,
-                        std::future<TargetShapes> shapes, const RecoverOptions& options,
-                        StageTimer& timer, const ProgressSink& progress);
-
-/// The same from what is observed, for any shape of the target: fills `found.estimate`, field and
-/// forces. `found.recovery` is that of `mechanics`.
-void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
-                  const SurfaceObservations& observations, const RecoverOptions& options,
-                  StageTimer& timer, const ProgressSink& progress);
 
 }  // namespace palpate

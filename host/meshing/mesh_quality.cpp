@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
+#include "host/meshing/mesh_quality.hpp"
+
 #include <algorithm>
 #include <limits>
 
 #include "host/meshing/dihedral.hpp"
-#include "host/meshing/mesher.hpp"
 
 namespace palpate {
 

@@ -10,12 +10,11 @@
 #include "host/inverse/map_estimate.hpp"
 #include "host/modelling/alignment.hpp"
 #include "host/modelling/build_model.hpp"
+#include "host/modelling/tissue_law.hpp"
 #include "host/pipeline/finite_strain.hpp"
-#include "host/pipeline/full_solver.hpp"
 #include "host/pipeline/poisson_ratios.hpp"
-#include "host/pipeline/states.hpp"
-#include "host/result/recovery_result.hpp"
 #include "host/surfaces/target_shape.hpp"
+#include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
 
@@ -39,17 +38,5 @@ struct Recovered {
     LinearSolverInfo solver;
     std::vector<std::string> warnings;
 };
-
-/// Writes the estimated moduli into the model, solves the uncondensed equilibrium with the
-/// estimated wall motion, and takes the forces as reactions, f = K u. Throws
-/// Error(solve_failed) if the solve misses its tolerance or leaves the condensed solution.
-void solve_full_model(Recovered& found, FullSolver& solver, const ProgressSink& progress);
-
-/// The same at large deformation, from the equilibrium that the search ended with.
-void take_equilibrium(Recovered& found);
-
-/// Verdicts, surface distances, Dice, volumes.
-RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,
-                               const TargetState& target, const Settings& settings);
 
 }  // namespace palpate
