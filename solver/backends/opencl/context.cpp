@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "solver/backends/opencl/device_choice.hpp"
+#include "solver/backends/opencl/kept_signals.hpp"
 #include "solver/backends/opencl/opencl_devices.hpp"
 #include "solver/backends/opencl/pocl_environment.hpp"
 
@@ -55,6 +56,7 @@ std::vector<cl::Platform> find_platforms() {
 }
 
 std::vector<FoundDevice> find_devices() {
+    const KeptSignals kept;
     std::vector<FoundDevice> found;
     const std::vector<cl::Platform> platforms = find_platforms();
     for (std::size_t p = 0; p < platforms.size(); ++p) {

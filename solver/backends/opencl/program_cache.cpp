@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "solver/backends/opencl/kept_signals.hpp"
 #include "solver/backends/opencl/kernel_text.hpp"
 
 namespace palpate {
@@ -83,6 +84,7 @@ ProgramCounts ProgramCache::counts() const {
 
 cl::Program ProgramCache::load_or_build(const std::string& name, const std::string& text,
                                         const std::string& options, const std::string& key) {
+    const KeptSignals kept;
     cl::Program program;
     if (load(options, key, program)) {
         ++counts_.loaded;

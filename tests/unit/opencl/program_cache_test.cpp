@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 
@@ -22,9 +23,12 @@ const std::string twice_text =
     "    x[get_global_id(1)] *= FACTOR;\n"
     "}\n";
 
+void do_nothing(int) {}
+
 class ProgramCacheTest : public testing::Test {
 protected:
     void SetUp() override {
+        std::signal(SIGINT, do_nothing);  // before a driver begins
         try {
             device = open_device("");
         } catch (const Error& error) {
@@ -34,6 +38,7 @@ protected:
         fs::remove_all(folder);
     }
     void TearDown() override {
+        std::signal(SIGINT, SIG_DFL);
         if (!folder.empty()) fs::remove_all(folder);
     }
 
@@ -65,6 +70,17 @@ protected:
 void expect_counts(const ProgramCache& cache, int built, int loaded) {
     EXPECT_EQ(cache.counts().built, built);
     EXPECT_EQ(cache.counts().loaded, loaded);
+}
+
+TEST_F(ProgramCacheTest, CompilersLeaveTheSignalsToTheProgram) {
+    for (int round = 0; round < 2; ++round) {  // built, then loaded
+        ProgramCache cache = make_cache();
+        run(cache);
+
+        struct sigaction now {};
+        sigaction(SIGINT, nullptr, &now);
+        EXPECT_EQ(now.sa_handler, &do_nothing);
+    }
 }
 
 TEST_F(ProgramCacheTest, ColdBuildsWarmLoadsAndBothCompute) {
