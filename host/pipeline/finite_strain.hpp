@@ -14,13 +14,13 @@
 namespace palpate {
 
 struct FiniteStrainOptions {
-    int max_rounds = 8;  ///< linearisations at most
+    int max_rounds = 12;  ///< linearisations at most
     /// Converged: a round changed no ln E by more than this part of its standard deviation, that of
     /// the model (uncertainty.hpp) included, or by 1e-3 if that is larger, and
     double modulus_tolerance_sd = 0.1;
     double model_sd_ln = palpate::model_sd_ln;
     /// the equilibrium lies this close to what the linearised model said, root mean square, mm.
-    double displacement_tolerance_mm = 0.02;
+    double displacement_tolerance_mm = 0.03;
     ResponseOptions response;
     MapOptions search;
     LinearSolverOptions solver;

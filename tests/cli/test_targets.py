@@ -118,7 +118,7 @@ def test_targets_that_did_not_converge_are_left_out(several, tmp_path):
 
 def test_a_plan_tells_that_both_sides_tell_more(phantom):
     finished = run_palpate("recover", phantom / "reference.nii.gz", "--config", phantom / "organs.toml", "--plan",
-                           "--plan-motion", 4, "--nodes", 2500, "--quiet")
+                           "--plan-motion", 4, "--plan-contours", 0.2, "--nodes", 2500, "--quiet")
     assert finished.returncode == 0, finished.stderr
     lines = [line for line in finished.stdout.splitlines() if line.startswith("prostate")]
     assert len(lines) == 3
