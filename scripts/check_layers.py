@@ -44,11 +44,11 @@ ALLOWED = {
     "host/simulation": SOLVER + STATIONS + ["host/pipeline"],
     "host/exporting": SOLVER + STATIONS,
     "host/program": BACKEND,
-    "host/cli": SOLVER + STATIONS + ["host/program"] + ["host/phantom", "host/pipeline", "host/study",
+    "host/faces/cli": SOLVER + STATIONS + ["host/program"] + ["host/phantom", "host/pipeline", "host/study",
                                      "host/simulation", "host/exporting"],
-    "host/slicer": SOLVER + STATIONS + ["host/pipeline", "host/program"],
-    "host/python": ["host/capi"],
-    "host/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
+    "host/faces/slicer": SOLVER + STATIONS + ["host/pipeline", "host/program"],
+    "host/faces/python": ["host/faces/capi"],
+    "host/faces/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
 }
 for position, station in enumerate(STATIONS):
     ALLOWED[station] = SOLVER + STATIONS[:position]

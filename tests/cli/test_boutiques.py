@@ -12,7 +12,7 @@ import pytest
 
 from tests.conftest import PROGRAM, ROOT, run_palpate
 
-DESCRIPTOR = ROOT / "host/cli/palpate.boutiques.json"
+DESCRIPTOR = ROOT / "host/faces/cli/palpate.boutiques.json"
 BOSH = shutil.which("bosh") or shutil.which("bosh", path=pathlib.Path(sys.executable).parent)
 
 

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "host/faces/cli/commands.hpp"
+#include "host/faces/cli/console.hpp"
+#include "host/pipeline/version.hpp"
+#include "host/program/blas_kernels.hpp"
+#include "host/program/memory_limit.hpp"
+#include "host/program/run_program.hpp"
+#include "solver/base/error.hpp"
+
+namespace {
+
+std::string names_of(const std::vector<const CLI::App*>& commands) {
+    std::string names;
+    for (const CLI::App* command : commands)
+        names += (names.empty() ? "" : ", ") + command->get_name();
+    return names;
+}
+
+/// What is wrong with the command, which CLI11 only calls missing; else what it says, with choices
+/// in the words that are allowed.
+std::string complaint(const CLI::App& app, const std::vector<std::string>& words,
+                      const std::string& said) {
+    const CLI::App* command = &app;
+    const auto all = [](const CLI::App*) { return true; };
+    for (const std::string& word : words) {
+        const auto below = command->get_subcommands(all);
+        if (below.empty() || word.starts_with('-')) break;
+        const auto found = std::find_if(below.begin(), below.end(), [&](const CLI::App* one) {
+            return one->get_name() == word;
+        });
+        if (found == below.end())
+            return fmt::format("there is no command '{}'; there are {}", word, names_of(below));
+        command = *found;
+    }
+    const std::regex choice(R"(Check (.*) value in \{(.*)\} OR \{.*\} FAILED)");
+    const std::regex number(R"(->\d+)");
+    std::smatch parts;
+    if (!std::regex_search(said, parts, choice)) return said;
+    return parts.prefix().str() + parts[1].str() + " not in {" +
+           std::regex_replace(parts[2].str(), number, "") + "}";
+}
+
+int parse_and_run(int argc, char** argv) {
+    CLI::App app{
+        "Computational palpation: stiffness, forces and deformation from two segmentations"};
+    app.name("palpate");
+    app.set_version_flag("--version",
+                         "palpate " + palpate::version_text() + "\n" + palpate::build_text());
+    app.require_subcommand(1);
+    app.footer(
+        "Exit codes: 0 ok, 1 internal, 2 usage, 3 unreadable input, 4 unusable input, 5 meshing,\n"
+        "6 forward solve, 7 not converged (result written), 8 device, 9 time limit or cancelled,\n"
+        "10 output.\n"
+        "Not a medical device.");
+    palpate::Run run;
+    palpate::add_recover(app, run);
+    palpate::add_phantom(app, run);
+    palpate::add_simulate(app, run);
+    palpate::add_study(app, run);
+    palpate::add_warp(app, run);
+    palpate::add_export(app, run);
+    palpate::add_devices(app, run);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+        throw palpate::Error(palpate::ErrorCode::invalid_argument,
+                             fmt::format("{}; see `palpate --help`",
+                                         complaint(app, {argv + 1, argv + argc}, error.what())));
+    }
+    palpate::prepare_for_memory_limit();
+    return run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    palpate::take_fast_blas_kernels(argv);
+    palpate::run_program(
+        "palpate", [&] { return parse_and_run(argc, argv); }, palpate::end_progress_line);
+}
