@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SOLVER_MODEL = ["solver/base", "solver/mesh", "solver/elements", "solver/materials", "solver/model"]
 BACKEND = SOLVER_MODEL + ["solver/backend"]
 SOLVER = BACKEND + ["solver/linear", "solver/equilibrium", "solver/adjoint", "solver/condense"]
-STATIONS = ["host/imaging", "host/surfaces", "host/meshing", "host/warping", "host/modelling", "host/objectives",
+STATIONS = ["host/system", "host/imaging", "host/surfaces", "host/meshing", "host/warping", "host/modelling", "host/objectives",
             "host/inverse", "host/result", "host/report"]
 
 ALLOWED = {
@@ -38,15 +38,14 @@ ALLOWED = {
     # The mesh program is licensed apart: it shares the exchange format and plain types, no more.
     "host/mesh_tool": ["solver/base", "solver/mesh", "host/meshing/exchange",
                        "host/meshing/dihedral"],
-    "host/phantom": SOLVER + STATIONS[:5],
+    "host/phantom": SOLVER + STATIONS[:6],
     "host/pipeline": SOLVER + STATIONS + ["host/phantom"],
     "host/study": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
     "host/simulation": SOLVER + STATIONS + ["host/pipeline"],
     "host/exporting": SOLVER + STATIONS,
-    "host/program": BACKEND,
-    "host/faces/cli": SOLVER + STATIONS + ["host/program"] + ["host/phantom", "host/pipeline", "host/study",
+    "host/faces/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study",
                                      "host/simulation", "host/exporting"],
-    "host/faces/slicer": SOLVER + STATIONS + ["host/pipeline", "host/program"],
+    "host/faces/slicer": SOLVER + STATIONS + ["host/pipeline"],
     "host/faces/python": ["host/faces/capi"],
     "host/faces/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
 }

@@ -10,9 +10,9 @@
 #include <fstream>
 #include <string>
 
-#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/grid_check.hpp"
+#include "host/system/forked_work.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -9,13 +9,13 @@
 #include <cstring>
 #include <string>
 
-#include "host/imaging/child_process.hpp"
 #include "host/imaging/displacement_steps.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/grid_check.hpp"
 #include "host/imaging/io.hpp"
 #include "host/imaging/preflight.hpp"
 #include "host/imaging/transform_formats.hpp"
+#include "host/system/forked_work.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -14,11 +14,11 @@
 #include <sstream>
 #include <string>
 
-#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
 #include "host/imaging/preflight.hpp"
 #include "host/imaging/transform_formats.hpp"
+#include "host/system/forked_work.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <type_traits>
 
-#include "host/imaging/child_process.hpp"
 #include "host/imaging/displacement_steps.hpp"
 #include "host/imaging/files.hpp"
 #include "host/imaging/io.hpp"
 #include "host/imaging/nifti_file.hpp"
 #include "host/imaging/preflight.hpp"
+#include "host/system/forked_work.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

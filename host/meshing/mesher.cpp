@@ -12,11 +12,11 @@
 #include <sstream>
 
 #include "host/imaging/files.hpp"
-#include "host/meshing/child_process.hpp"
 #include "host/meshing/exchange.hpp"
 #include "host/meshing/mesh_checks.hpp"
 #include "host/meshing/mesh_program.hpp"
 #include "host/meshing/volume_job.hpp"
+#include "host/system/child_program.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -17,10 +17,10 @@
 #include "host/pipeline/judged_modulus.hpp"
 #include "host/pipeline/observed_target.hpp"
 #include "host/pipeline/surface_agreement.hpp"
-#include "host/pipeline/version.hpp"
 #include "host/pipeline/volumes.hpp"
 #include "host/surfaces/picture_surface.hpp"
 #include "host/surfaces/surface.hpp"
+#include "host/system/version.hpp"
 #include "host/warping/inverse_field.hpp"
 
 namespace palpate {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "host/pipeline/byte_stream.hpp"
-#include "host/pipeline/version.hpp"
+#include "host/system/version.hpp"
 
 namespace palpate {
 namespace {

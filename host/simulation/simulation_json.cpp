@@ -5,9 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/pipeline/version.hpp"
 #include "host/report/plain_text.hpp"
 #include "host/simulation/simulation_findings.hpp"
+#include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 
 namespace palpate {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "host/pipeline/version.hpp"
 #include "host/report/assets.hpp"
 #include "host/report/findings.hpp"
 #include "host/report/markup.hpp"
@@ -14,6 +13,7 @@
 #include "host/simulation/body_figures.hpp"
 #include "host/simulation/simulation_findings.hpp"
 #include "host/simulation/simulation_plots.hpp"
+#include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 
 namespace palpate {

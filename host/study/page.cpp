@@ -6,11 +6,11 @@
 
 #include <algorithm>
 
-#include "host/pipeline/version.hpp"
 #include "host/report/assets.hpp"
 #include "host/report/markup.hpp"
 #include "host/study/assets.hpp"
 #include "host/study/study_folder.hpp"
+#include "host/system/version.hpp"
 
 namespace palpate {
 namespace {

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/imaging/files.hpp"
-#include "host/pipeline/version.hpp"
 #include "host/report/result_folder.hpp"
+#include "host/system/version.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

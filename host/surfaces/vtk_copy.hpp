@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
-#include "host/imaging/child_process.hpp"
 #include "host/imaging/files.hpp"
+#include "host/system/forked_work.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

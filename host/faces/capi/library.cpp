@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include "host/faces/capi/guard.hpp"
-#include "host/pipeline/version.hpp"
+#include "host/system/version.hpp"
 
 const char* palpate_status_text(palpate_status status) {
     switch (status) {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <optional>
 
+#include "host/exporting/write_model.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/output_file.hpp"
-#include "host/exporting/write_model.hpp"
 #include "host/imaging/displacement_steps.hpp"
 #include "host/warping/field_files.hpp"
 #include "solver/base/error.hpp"

@@ -9,7 +9,7 @@
 #include "host/faces/cli/console.hpp"
 #include "host/faces/cli/options.hpp"
 #include "host/phantom/pelvis.hpp"
-#include "host/program/interrupt.hpp"
+#include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -16,12 +16,12 @@
 #include "host/pipeline/recover.hpp"
 #include "host/pipeline/repeated_contours.hpp"
 #include "host/pipeline/saved_reference_file.hpp"
-#include "host/pipeline/version.hpp"
-#include "host/program/interrupt.hpp"
 #include "host/report/result_folder.hpp"
 #include "host/report/targets_page.hpp"
 #include "host/report/targets_report.hpp"
 #include "host/report/text_report.hpp"
+#include "host/system/interrupt.hpp"
+#include "host/system/version.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

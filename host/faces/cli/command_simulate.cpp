@@ -7,10 +7,10 @@
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/faces/cli/time_limit.hpp"
-#include "host/program/interrupt.hpp"
 #include "host/report/result_folder.hpp"
 #include "host/simulation/simulation_findings.hpp"
 #include "host/simulation/simulation_folder.hpp"
+#include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

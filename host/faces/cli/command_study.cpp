@@ -8,9 +8,9 @@
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/faces/cli/options.hpp"
-#include "host/program/interrupt.hpp"
 #include "host/study/run_study.hpp"
 #include "host/study/studies.hpp"
+#include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-#include "host/program/interrupt.hpp"
+#include "host/system/interrupt.hpp"
 
 namespace palpate {
 namespace {

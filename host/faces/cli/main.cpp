@@ -9,10 +9,10 @@
 
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
-#include "host/pipeline/version.hpp"
-#include "host/program/blas_kernels.hpp"
-#include "host/program/memory_limit.hpp"
-#include "host/program/run_program.hpp"
+#include "host/system/blas_kernels.hpp"
+#include "host/system/memory_limit.hpp"
+#include "host/system/run_program.hpp"
+#include "host/system/version.hpp"
 #include "solver/base/error.hpp"
 
 namespace {

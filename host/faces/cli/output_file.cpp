@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/program/interrupt.hpp"
+#include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

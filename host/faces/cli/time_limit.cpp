@@ -6,7 +6,7 @@
 
 #include <utility>
 
-#include "host/program/interrupt.hpp"
+#include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

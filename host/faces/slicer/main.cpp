@@ -9,16 +9,16 @@
 #include <string_view>
 #include <vector>
 
-#include "host/imaging/files.hpp"
-#include "host/pipeline/version.hpp"
-#include "host/program/blas_kernels.hpp"
-#include "host/program/interrupt.hpp"
-#include "host/program/memory_limit.hpp"
-#include "host/program/run_program.hpp"
-#include "host/report/result_folder.hpp"
-#include "host/report/text_report.hpp"
 #include "host/faces/slicer/progress_tags.hpp"
 #include "host/faces/slicer/recover_module.hpp"
+#include "host/imaging/files.hpp"
+#include "host/report/result_folder.hpp"
+#include "host/report/text_report.hpp"
+#include "host/system/blas_kernels.hpp"
+#include "host/system/interrupt.hpp"
+#include "host/system/memory_limit.hpp"
+#include "host/system/run_program.hpp"
+#include "host/system/version.hpp"
 
 namespace palpate {
 

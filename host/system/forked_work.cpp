@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/imaging/child_process.hpp"
+#include "host/system/forked_work.hpp"
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/program/blas_kernels.hpp"
+#include "host/system/blas_kernels.hpp"
 
 #include <dlfcn.h>
 #include <unistd.h>

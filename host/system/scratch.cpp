@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/program/scratch.hpp"
+#include "host/system/scratch.hpp"
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/program/memory_limit.hpp"
+#include "host/system/memory_limit.hpp"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/program/interrupt.hpp"
+#include "host/system/interrupt.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/meshing/child_process.hpp"
+#include "host/system/child_program.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/version.hpp"
+#include "host/system/version.hpp"
 
 #include "solver/linear/factor_libraries.hpp"
 

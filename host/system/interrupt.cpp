@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/program/interrupt.hpp"
+#include "host/system/interrupt.hpp"
 
 #include <poll.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/program/scratch.hpp"
+#include "host/system/scratch.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/program/run_program.hpp"
+#include "host/system/run_program.hpp"
 
 #include <fmt/core.h>
 
@@ -9,8 +9,8 @@
 #include <new>
 #include <system_error>
 
-#include "host/program/interrupt.hpp"
-#include "host/program/memory_limit.hpp"
+#include "host/system/interrupt.hpp"
+#include "host/system/memory_limit.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/large_blocks.hpp"
 
