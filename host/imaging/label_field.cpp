@@ -8,9 +8,9 @@
 #include <string>
 
 #include "host/imaging/cubic_bspline.hpp"
-#include "host/imaging/parallel.hpp"
 #include "host/imaging/signed_distance.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -107,7 +107,7 @@ void LabelField::build_region(const RegionImage& image, Index region) {
     auto inside = [&](Index stored, int axis) {
         return std::clamp(stored + box.low[axis], Index(0), grid_.size[axis] - 1);
     };
-    parallel_for(box.size[2], [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(box.size[2], 1, [&](std::size_t begin, std::size_t end) {
         for (Index k = Index(begin); k < Index(end); ++k) {
             std::size_t out = std::size_t(k) * box.size[0] * box.size[1];
             for (Index j = 0; j < box.size[1]; ++j) {
@@ -129,7 +129,7 @@ void LabelField::find_deep_voxels(const RegionImage& image) {
     for (int axis = 0; axis < 3; ++axis) {
         const Index reach = static_cast<Index>(std::ceil(3 * smoothing_mm_ / grid_.spacing[axis]));
         const int inner = axis == 0 ? 1 : 0, outer = 3 - axis - inner;
-        parallel_for(grid_.size[outer], [&](std::size_t begin, std::size_t end) {
+        parallel_ranges(grid_.size[outer], 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t b = begin; b < end; ++b) {
                 for (Index a = 0; a < grid_.size[inner]; ++a) {
                     mark_ends_of_runs(deep_.data() + b * stride[outer] + a * stride[inner],

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "host/imaging/parallel.hpp"
+#include "solver/base/parallel.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {
@@ -26,7 +26,7 @@ void filter_lines(const std::array<Index, 3>& size, int axis, std::vector<float>
     const Index length = size[axis];
     const Index blocks_per_row = (size[across] + lines_per_block - 1) / lines_per_block;
     const std::size_t num_blocks = std::size_t(blocks_per_row) * std::size_t(size[outer]);
-    parallel_for(num_blocks, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(num_blocks, 1, [&](std::size_t begin, std::size_t end) {
         std::vector<float> block(std::size_t(length) * lines_per_block, 0.f);
         for (std::size_t b = begin; b < end; ++b) {
             const Index first = Index(b % blocks_per_row) * lines_per_block;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/imaging/parallel.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -54,7 +54,7 @@ void for_runs(const Level& level, const Body& body) {
     if (level.num_unknown < worth_threads) {
         body(std::size_t(0), level.runs.size());
     } else {
-        parallel_for(level.runs.size(), body);
+        parallel_ranges(level.runs.size(), 1, body);
     }
 }
 
@@ -149,7 +149,7 @@ Level coarse_level(const Level& fine) {
     coarse.unknown.assign(num_cells, 1);
     coarse.value.assign(num_cells, Value::Zero());
     coarse.source.assign(num_cells, Value::Zero());
-    parallel_for(coarse.num_rows(), [&](Index begin, Index end) {
+    parallel_ranges(coarse.num_rows(), 1, [&](Index begin, Index end) {
         for (Index r = begin; r < end; ++r) {
             const Index j = r % coarse.size[1], k = r / coarse.size[1];
             for (Index i = 0; i < coarse.size[0]; ++i) {

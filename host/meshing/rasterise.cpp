@@ -8,9 +8,9 @@
 
 #include <Eigen/LU>
 
-#include "host/imaging/parallel.hpp"
 #include "host/meshing/laplace_fill.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -131,7 +131,7 @@ std::vector<Index> tet_of_voxels(const Mesh& mesh, const std::vector<Vec3>& node
     check_sizes(mesh, nodes.size(), "The list of node positions");
     const std::vector<Vec3> indices = to_voxel_indices(nodes, grid);
     std::vector<Index> tet_of(grid.num_voxels(), -1);
-    parallel_for(grid.size[2], [&](Index first_slice, Index end_slice) {
+    parallel_ranges(grid.size[2], 1, [&](Index first_slice, Index end_slice) {
         for (Index t = 0; t < mesh.num_tets(); ++t) {
             mark_tet(t, corners(mesh.tets[t], indices), grid, first_slice, end_slice, tet_of);
         }
@@ -146,7 +146,7 @@ FieldInMesh interpolate_in_mesh(const Mesh& mesh, const std::vector<Vec3>& nodes
     const auto affine = affine_values(mesh, to_voxel_indices(nodes, grid), values);
     FieldInMesh inside{{grid, std::vector<Vec3>(grid.num_voxels(), Vec3::Zero())},
                        std::vector<std::uint8_t>(grid.num_voxels(), 0)};
-    parallel_for(grid.size[2], [&](Index begin, Index end) {
+    parallel_ranges(grid.size[2], 1, [&](Index begin, Index end) {
         for (Index k = begin; k < end; ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/imaging/parallel.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 
@@ -48,7 +48,7 @@ std::vector<Index> regions_in(const LabelField& field) {
 std::vector<float> sampled(const LabelField& field, const std::vector<Index>& regions,
                            const SampleGrid& grid, const BoxFrame& frame) {
     std::vector<float> values(grid.count() * regions.size());
-    parallel_for(grid.count(), [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(grid.count(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             const auto i = grid.index(n);
             const Vec3 point = frame.to_lps(Vec3(i[0], i[1], i[2]).cwiseProduct(grid.spacing));

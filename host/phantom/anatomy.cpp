@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "host/imaging/parallel.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -245,7 +245,7 @@ ImageGrid grid_of_image(const PelvisAnatomy& anatomy, const Vec3& spacing) {
 
 RegionImage fill_shapes(const PelvisAnatomy& anatomy, const ImageGrid& grid) {
     RegionImage image{grid, std::vector<std::uint8_t>(grid.num_voxels(), background_region)};
-    parallel_for(grid.size[2], [&](Index begin, Index end) {
+    parallel_ranges(grid.size[2], 1, [&](Index begin, Index end) {
         for (Index organ = 0; organ < num_pelvis_organs; ++organ) {
             const OrganShape& shape = anatomy.organs[organ];
             const double reach = shape.reach();

@@ -12,9 +12,9 @@
 #include <sstream>
 #include <utility>
 
-#include "host/imaging/parallel.hpp"
 #include "host/phantom/random_numbers.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -163,7 +163,7 @@ RegionImage drawn_regions(const LabelField& truth, const ImageGrid& grid,
         errors.emplace_back(options, grid, seed_of(region, seed));
     RegionImage drawn{grid, std::vector<std::uint8_t>(grid.num_voxels(), background_region)};
     const double reach = farthest_sd * options.sd_mm;
-    parallel_for(grid.size[2], [&](Index begin, Index end) {
+    parallel_ranges(grid.size[2], 1, [&](Index begin, Index end) {
         for (Index k = begin; k < end; ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {
@@ -191,7 +191,7 @@ void draw_border(const LabelField& truth, Index whole, Index part,
                  const ContourErrorOptions& options, std::uint64_t seed, RegionImage& drawn) {
     const ImageGrid& grid = drawn.grid;
     const ContourError error(options, grid, seed_of(part, seed));
-    parallel_for(grid.size[2], [&](Index begin, Index end) {
+    parallel_ranges(grid.size[2], 1, [&](Index begin, Index end) {
         for (Index k = begin; k < end; ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {

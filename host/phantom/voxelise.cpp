@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "host/imaging/parallel.hpp"
 #include "host/meshing/rasterise.hpp"
 #include "host/surfaces/closest_point.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -43,7 +43,7 @@ RegionImage regions_on_grid(const RegionMesh& mesh, const std::vector<Vec3>& nod
     const Walls walls = collect_walls(mesh, nodes, hollow);
     const ClosestPointQuery nearest_wall(walls.surface);
     RegionImage image{grid, std::vector<std::uint8_t>(grid.num_voxels(), background_region)};
-    parallel_for(grid.size[1], [&](Index begin, Index end) {
+    parallel_ranges(grid.size[1], 1, [&](Index begin, Index end) {
         for (Index k = 0; k < grid.size[2]; ++k) {
             for (Index j = begin; j < end; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/phantom/zones.hpp"
 
-#include "host/imaging/parallel.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 
@@ -24,7 +24,7 @@ OrganShape make_transition_zone(const OrganShape& prostate, unsigned seed) {
 
 void mark_zone(RegionImage& image, const OrganShape& zone, Index whole, Index part) {
     const auto& size = image.grid.size;
-    parallel_for(size[2], [&](Index begin, Index end) {
+    parallel_ranges(size[2], 1, [&](Index begin, Index end) {
         for (Index k = begin; k < end; ++k)
             for (Index j = 0; j < size[1]; ++j)
                 for (Index i = 0; i < size[0]; ++i) {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "host/imaging/parallel.hpp"
 #include "host/modelling/regions.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 template <typename Origin>
 RegionImage regions_at(const LabelField& reference, const ImageGrid& grid, const Origin& origin) {
     RegionImage carried{grid, std::vector<std::uint8_t>(grid.num_voxels())};
-    parallel_for(grid.size[1] * grid.size[2], [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(grid.size[1] * grid.size[2], 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const Index j = static_cast<Index>(row) % grid.size[1];
             const Index k = static_cast<Index>(row) / grid.size[1];

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "host/imaging/parallel.hpp"
 #include "host/warping/displacement_field.hpp"
 #include "host/warping/linear_value.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -117,7 +117,7 @@ std::vector<float> resampled(const Image<float>& image, const Cutting& cutting,
                              const RigidTransform& to_image) {
     std::vector<float> values(cutting.num_voxels());
     const auto [columns, rows, slices] = cutting.size;
-    parallel_for(std::size_t(rows) * slices, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(std::size_t(rows) * slices, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row)
             for (Index i = 0; i < columns; ++i)
                 values[row * columns + i] = mean_over_voxel(

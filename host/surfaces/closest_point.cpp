@@ -9,8 +9,8 @@
 #include <limits>
 #include <numeric>
 
-#include "host/imaging/parallel.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 
@@ -166,7 +166,7 @@ ClosestPoint ClosestPointQuery::closest(const Vec3& point, Index near_triangle) 
 
 std::vector<ClosestPoint> ClosestPointQuery::closest(const std::vector<Vec3>& points) const {
     std::vector<ClosestPoint> result(points.size());
-    parallel_for(points.size(), [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(points.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) {
             result[n] = closest(points[n], n == begin ? -1 : result[n - 1].triangle);
         }

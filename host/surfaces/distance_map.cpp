@@ -8,11 +8,11 @@
 
 #include "host/imaging/cubic_bspline.hpp"
 #include "host/imaging/gaussian_smoothing.hpp"
-#include "host/imaging/parallel.hpp"
 #include "host/surfaces/closest_point.hpp"
 #include "host/surfaces/nearest_triangles.hpp"
 #include "host/surfaces/zero_level.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -102,7 +102,7 @@ std::vector<float> sample_level(const LabelField& field, Index region, const Reg
         if (last[a] == field.grid().size[a] - 1) near.high[a] = 1e9;
     }
     std::vector<float> samples(grid.num_voxels());
-    parallel_for(grid.size[2], [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(grid.size[2], 1, [&](std::size_t begin, std::size_t end) {
         for (Index k = Index(begin); k < Index(end); ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {
@@ -124,7 +124,7 @@ std::vector<float> sample_level(const LabelField& field, Index region, const Reg
 void correct_for_facets(const Surface& surface, const RegionLevel& level, const ImageGrid& grid,
                         const NearestTriangles& nearest, std::vector<float>& distances) {
     const double most = 0.3 * grid.spacing[0];
-    parallel_for(grid.size[2], [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(grid.size[2], 1, [&](std::size_t begin, std::size_t end) {
         for (Index k = Index(begin); k < Index(end); ++k) {
             for (Index j = 0; j < grid.size[1]; ++j) {
                 for (Index i = 0; i < grid.size[0]; ++i) {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "host/imaging/parallel.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -31,7 +31,7 @@ public:
 
     /// Moves every vertex along its edge onto the zero of the function.
     void refine(const std::function<double(const Vec3&)>& function) {
-        parallel_for(edges_.size(), [&](std::size_t begin, std::size_t end) {
+        parallel_ranges(edges_.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t v = begin; v < end; ++v) {
                 surface.vertices[v] = zero_on_edge(edges_[v], function);
             }

@@ -4,9 +4,9 @@
 
 #include <atomic>
 
-#include "host/imaging/parallel.hpp"
 #include "host/meshing/rasterise.hpp"
 #include "host/warping/displacement_field.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -20,7 +20,7 @@ std::size_t invert_by_iteration(const Image<Vec3>& field, const RigidTransform& 
     const RigidTransform back = transform.inverse();
     const ImageGrid& grid = inverse.grid;
     std::atomic<std::size_t> num_unsure{0};
-    parallel_for(grid.size[1] * grid.size[2], [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(grid.size[1] * grid.size[2], 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const Index j = static_cast<Index>(row) % grid.size[1];
             const Index k = static_cast<Index>(row) / grid.size[1];

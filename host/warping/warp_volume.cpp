@@ -8,9 +8,9 @@
 
 #include "host/imaging/cubic_bspline.hpp"
 #include "host/imaging/label_field.hpp"
-#include "host/imaging/parallel.hpp"
 #include "host/warping/linear_value.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
 
 namespace palpate {
 namespace {
@@ -21,7 +21,7 @@ Warped<T> warp(const ImageGrid& source, const PointMap& back, const ImageGrid& g
                const Value& value) {
     Warped<T> out{{grid, std::vector<T>(grid.num_voxels(), fill)}, {}};
     std::atomic<std::size_t> beyond_field{0}, folded{0}, beyond_image{0};
-    parallel_for(grid.size[1] * grid.size[2], [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(grid.size[1] * grid.size[2], 1, [&](std::size_t begin, std::size_t end) {
         OutsideCounts here;
         for (std::size_t row = begin; row < end; ++row) {
             const Index j = static_cast<Index>(row) % grid.size[1];

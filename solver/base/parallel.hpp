@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 #include "solver/base/types.hpp"
@@ -18,15 +19,16 @@ inline Index num_host_threads() {
 /// Calls `work(begin, end)` on consecutive parts of [0, count), one part per host thread. Parts
 /// write to disjoint places, so the result does not depend on the number of threads. With fewer
 /// than `smallest_part` items per thread fewer threads are used. The first exception is rethrown.
-template <typename Work>
-void parallel_ranges(Index count, Index smallest_part, Work&& work) {
-    if (count <= 0) return;
+template <typename Count, typename Work>
+void parallel_ranges(Count count, std::type_identity_t<Count> smallest_part, Work&& work) {
+    if (!(count > 0)) return;
+    const Count wanted = count / std::max<Count>(smallest_part, 1);
     const Index parts =
-        std::clamp<Index>(count / std::max<Index>(smallest_part, 1), 1, num_host_threads());
+        static_cast<Index>(std::clamp<Count>(wanted, 1, static_cast<Count>(num_host_threads())));
     std::vector<std::exception_ptr> failures(parts);
     auto run = [&](Index part) {
         const auto edge = [&](Index p) {
-            return static_cast<Index>(std::int64_t{count} * p / parts);
+            return static_cast<Count>(static_cast<std::int64_t>(count) * p / parts);
         };
         try {
             work(edge(part), edge(part + 1));
