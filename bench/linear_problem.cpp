@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/phantom/random_numbers.hpp"
+#include "host/apps/phantom/random_numbers.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/model/stiffness_matrix.hpp"

@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "bench/bench_mesh.hpp"
-#include "host/phantom/pelvis.hpp"
+#include "host/apps/phantom/pelvis.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

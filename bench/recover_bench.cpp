@@ -20,8 +20,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/child_program.hpp"
+#include "host/apps/phantom/pelvis.hpp"
 #include "host/imaging/files.hpp"
-#include "host/phantom/pelvis.hpp"
 #include "host/pipeline/recover.hpp"
 #include "host/pipeline/search_target.hpp"
 #include "solver/backend/registry.hpp"

@@ -38,16 +38,16 @@ ALLOWED = {
     # The mesh program is licensed apart: it shares the exchange format and plain types, no more.
     "host/mesh_tool": ["solver/base", "solver/mesh", "host/meshing/exchange",
                        "host/meshing/dihedral"],
-    "host/phantom": SOLVER + STATIONS[:6],
-    "host/pipeline": SOLVER + STATIONS + ["host/phantom"],
-    "host/study": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
-    "host/simulation": SOLVER + STATIONS + ["host/pipeline"],
-    "host/exporting": SOLVER + STATIONS,
-    "host/faces/cli": SOLVER + STATIONS + ["host/phantom", "host/pipeline", "host/study",
-                                     "host/simulation", "host/exporting"],
+    "host/apps/phantom": SOLVER + STATIONS[:6],
+    "host/pipeline": SOLVER + STATIONS + ["host/apps/phantom"],
+    "host/apps/study": SOLVER + STATIONS + ["host/apps/phantom", "host/pipeline"],
+    "host/apps/simulate": SOLVER + STATIONS + ["host/pipeline"],
+    "host/apps/export": SOLVER + STATIONS,
+    "host/faces/cli": SOLVER + STATIONS + ["host/apps/phantom", "host/pipeline", "host/apps/study",
+                                     "host/apps/simulate", "host/apps/export"],
     "host/faces/slicer": SOLVER + STATIONS + ["host/pipeline"],
     "host/faces/python": ["host/faces/capi"],
-    "host/faces/capi": SOLVER + STATIONS + ["host/phantom", "host/pipeline"],
+    "host/faces/capi": SOLVER + STATIONS + ["host/apps/phantom", "host/pipeline"],
 }
 for position, station in enumerate(STATIONS):
     ALLOWED[station] = SOLVER + STATIONS[:position]

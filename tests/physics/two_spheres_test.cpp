@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/phantom/spheres.hpp"
+#include "host/apps/phantom/spheres.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/linear_solvers.hpp"
 

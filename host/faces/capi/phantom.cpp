@@ -6,10 +6,10 @@
 #include <cstring>
 #include <memory>
 
+#include "host/apps/phantom/pelvis.hpp"
 #include "host/faces/capi/guard.hpp"
 #include "host/faces/capi/handles.hpp"
 #include "host/faces/capi/solver_options.hpp"
-#include "host/phantom/pelvis.hpp"
 
 using namespace palpate;
 using capi::completed;

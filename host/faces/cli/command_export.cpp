@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "host/exporting/write_model.hpp"
+#include "host/apps/export/write_model.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/output_file.hpp"
 #include "host/imaging/displacement_steps.hpp"

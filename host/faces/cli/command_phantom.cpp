@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "host/apps/phantom/pelvis.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/faces/cli/options.hpp"
-#include "host/phantom/pelvis.hpp"
 #include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 

@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include "host/apps/study/run_study.hpp"
+#include "host/apps/study/studies.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/faces/cli/options.hpp"
-#include "host/study/run_study.hpp"
-#include "host/study/studies.hpp"
 #include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 

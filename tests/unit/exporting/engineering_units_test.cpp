@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/exporting/engineering_units.hpp"
+#include "host/apps/export/engineering_units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/exporting/recovered_model.hpp"
+#include "host/apps/export/recovered_model.hpp"
 
-#include "host/exporting/write_model.hpp"
+#include "host/apps/export/write_model.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/exporting/two_tet_model.hpp"
 #include "tests/unit/report/temporary_folder.hpp"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/exporting/recovered_model.hpp"
+#include "host/apps/export/recovered_model.hpp"
 
 namespace palpate::testing {
 

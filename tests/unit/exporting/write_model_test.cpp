@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/exporting/write_model.hpp"
+#include "host/apps/export/write_model.hpp"
 
 #include "host/meshing/io.hpp"
 #include "solver/base/error.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/phantom/anatomy.hpp"
+#include "host/apps/phantom/anatomy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <set>
 
-#include "host/phantom/wall_motion.hpp"
+#include "host/apps/phantom/wall_motion.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "host/apps/phantom/pelvis.hpp"
 #include "host/imaging/io.hpp"
-#include "host/phantom/pelvis.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/phantom/pelvis.hpp"
+#include "host/apps/phantom/pelvis.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/phantom/tumour.hpp"
+#include "host/apps/phantom/tumour.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/phantom/voxelise.hpp"
+#include "host/apps/phantom/voxelise.hpp"
 
 #include <gtest/gtest.h>
 

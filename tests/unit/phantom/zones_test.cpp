@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/phantom/zones.hpp"
+#include "host/apps/phantom/zones.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/phantom/anatomy.hpp"
+#include "host/apps/phantom/anatomy.hpp"
 
 namespace palpate {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/simulation/grid_mesh.hpp"
+#include "host/apps/simulate/grid_mesh.hpp"
 
 #include <gtest/gtest.h>
 

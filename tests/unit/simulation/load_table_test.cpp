@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/simulation/load_table.hpp"
+#include "host/apps/simulate/load_table.hpp"
 
 #include <gtest/gtest.h>
 

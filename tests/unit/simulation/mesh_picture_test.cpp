@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/simulation/mesh_picture.hpp"
+#include "host/apps/simulate/mesh_picture.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/simulation/grid_mesh.hpp"
+#include "host/apps/simulate/grid_mesh.hpp"
 
 namespace palpate {
 namespace {

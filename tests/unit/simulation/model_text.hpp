@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/simulation/prepared_simulation.hpp"
+#include "host/apps/simulate/prepared_simulation.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "host/simulation/selection.hpp"
+#include "host/apps/simulate/selection.hpp"
 #include "solver/materials/registry.hpp"
 #include "tests/unit/simulation/model_text.hpp"
 

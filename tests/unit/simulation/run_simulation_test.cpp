@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/simulation/run_simulation.hpp"
+#include "host/apps/simulate/run_simulation.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/simulation/simulation_findings.hpp"
-#include "host/simulation/simulation_json.hpp"
-#include "host/simulation/simulation_page.hpp"
+#include "host/apps/simulate/simulation_findings.hpp"
+#include "host/apps/simulate/simulation_json.hpp"
+#include "host/apps/simulate/simulation_page.hpp"
 #include "tests/unit/simulation/model_text.hpp"
 
 namespace palpate {

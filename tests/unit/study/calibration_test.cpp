@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/study/calibration.hpp"
+#include "host/apps/study/calibration.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host/study/statistics.hpp"
+#include "host/apps/study/statistics.hpp"
 
 namespace palpate {
 namespace {

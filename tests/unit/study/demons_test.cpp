@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/study/demons.hpp"
+#include "host/apps/study/demons.hpp"
 
 #include <gtest/gtest.h>
 

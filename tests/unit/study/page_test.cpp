@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/study/page.hpp"
+#include "host/apps/study/page.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/study/published.hpp"
-#include "host/study/tables.hpp"
+#include "host/apps/study/published.hpp"
+#include "host/apps/study/tables.hpp"
 
 namespace palpate {
 namespace {

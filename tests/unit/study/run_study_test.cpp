@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/study/run_study.hpp"
+#include "host/apps/study/run_study.hpp"
 
 #include <atomic>
 #include <nlohmann/json.hpp>
 
-#include "host/study/study_folder.hpp"
+#include "host/apps/study/study_folder.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/report/temporary_folder.hpp"
 

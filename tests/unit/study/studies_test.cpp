@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/study/studies.hpp"
+#include "host/apps/study/studies.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "host/study/beside.hpp"
-#include "host/study/pelvis_case.hpp"
+#include "host/apps/study/beside.hpp"
+#include "host/apps/study/pelvis_case.hpp"
 
 namespace palpate {
 namespace {

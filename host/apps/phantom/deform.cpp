@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/phantom/deform.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+
+#include "host/imaging/label_image.hpp"
+#include "solver/base/error.hpp"
+#include "solver/equilibrium/newton.hpp"
+#include "solver/linear/make_linear_solver.hpp"
+
+namespace palpate {
+namespace {
+
+/// Gradients of the four shape functions of a tet (columns), 1/mm.
+Eigen::Matrix<double, 3, 4> shape_gradients(const Mesh& mesh, Index tet) {
+    const Tet& t = mesh.tets[tet];
+    Mat3 edges;
+    for (int c = 0; c < 3; ++c) edges.col(c) = mesh.nodes[t[c + 1]] - mesh.nodes[t[0]];
+    Eigen::Matrix<double, 3, 4> gradients;
+    gradients.rightCols<3>() = edges.inverse().transpose();
+    gradients.col(0) = -gradients.rightCols<3>().rowwise().sum();
+    return gradients;
+}
+
+Mat3 displacement_gradient(const Mesh& mesh, Index tet, const std::vector<Vec3>& u) {
+    const auto gradients = shape_gradients(mesh, tet);
+    Mat3 gradient = Mat3::Zero();
+    for (int c = 0; c < 4; ++c) gradient += u[mesh.tets[tet][c]] * gradients.col(c).transpose();
+    return gradient;
+}
+
+constexpr double least_jacobian = 0.2;
+
+double smallest_jacobian(const std::vector<Mat3>& gradients, double scale) {
+    double smallest = std::numeric_limits<double>::max();
+    for (const Mat3& gradient : gradients) {
+        smallest = std::min(smallest, (Mat3::Identity() + scale * gradient).determinant());
+    }
+    return smallest;
+}
+
+std::vector<Mat3> displacement_gradients(const Mesh& mesh, const std::vector<Vec3>& u) {
+    std::vector<Mat3> gradients(mesh.tets.size());
+    for (Index t = 0; t < mesh.num_tets(); ++t) gradients[t] = displacement_gradient(mesh, t, u);
+    return gradients;
+}
+
+void scale_load(const Mesh& mesh, Deformation& deformation) {
+    constexpr double step = 0.95;
+    const auto gradients = displacement_gradients(mesh, deformation.displacement);
+    deformation.smallest_jacobian = smallest_jacobian(gradients, deformation.load_scale);
+    while (deformation.smallest_jacobian <= least_jacobian) {
+        deformation.load_scale *= step;
+        deformation.smallest_jacobian = smallest_jacobian(gradients, deformation.load_scale);
+    }
+    for (Vec3& u : deformation.displacement) u *= deformation.load_scale;
+}
+
+std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
+    std::vector<Vec3> points(values.size() / 3);
+    for (std::size_t n = 0; n < points.size(); ++n) points[n] = values.segment<3>(3 * n);
+    return points;
+}
+
+Deformation deform_linear(const WallProblem& problem, double load_factor,
+                          const LinearSolverOptions& options, const ProgressSink& progress) {
+    Columns u;
+    const LinearSolverSummary solve =
+        make_linear_solver(problem.model, options)->solve(problem.prescribed_mm, u, progress);
+    if (!solve.converged) {
+        throw Error(ErrorCode::solve_failed,
+                    "The phantom's true displacement could not be solved for: " + solve.message +
+                        " Try --linear-solver direct or fewer nodes.");
+    }
+    Deformation deformation;
+    deformation.relative_residual = solve.relative_residual;
+    deformation.displacement = as_points(u.col(0));
+    deformation.load_scale = load_factor;
+    scale_load(problem.model.mesh, deformation);
+    deformation.force =
+        nodal_forces(problem.model.mesh, problem.model.materials, deformation.displacement);
+    return deformation;
+}
+
+Deformation deform_finite(const WallProblem& problem, TissueLaw law, double load_factor,
+                          const LinearSolverOptions& options, const ProgressSink& progress) {
+    constexpr double step = 0.95, least_scale = 0.05;
+    const SolidAssembly solid(solid_model_of(problem.model, law));
+    EquilibriumOptions solve;
+    solve.linear.direct_library = options.direct_library;
+    SolidLoads loads{problem.prescribed_mm, Eigen::VectorXd::Zero(problem.model.num_dofs())};
+    Deformation deformation;
+    deformation.load_scale = load_factor;
+    std::string message = "elements are crushed";
+    for (; std::abs(deformation.load_scale) >= least_scale * std::abs(load_factor);
+         deformation.load_scale *= step) {
+        loads.displacement = deformation.load_scale * problem.prescribed_mm;
+        const Equilibrium state = solve_equilibrium(solid, loads, solve, {}, progress);
+        message = state.message;
+        if (!state.converged) continue;
+        deformation.displacement = as_points(state.displacement);
+        deformation.smallest_jacobian = smallest_jacobian(
+            displacement_gradients(problem.model.mesh, deformation.displacement), 1);
+        if (deformation.smallest_jacobian <= least_jacobian) continue;
+        deformation.relative_residual = state.relative_residual;
+        deformation.force = as_points(solid.internal_force(state.displacement).force);
+        return deformation;
+    }
+    throw Error(ErrorCode::solve_failed,
+                "The phantom's true displacement could not be solved for at large deformation: " +
+                    message + ". Try fewer nodes or a smaller --load-factor.");
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> nodes_on_region(const RegionMesh& mesh, Index region) {
+    std::vector<std::uint8_t> on_region(mesh.mesh.nodes.size(), 0);
+    for (Index t = 0; t < mesh.surface.num_triangles(); ++t) {
+        const auto& [behind, in_front] = mesh.surface.regions[t];
+        if (behind != region && in_front != region) continue;
+        for (const Index node : mesh.surface.triangles[t]) on_region[node] = 1;
+    }
+    return on_region;
+}
+
+WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
+                              const std::vector<WallMotion>& motions) {
+    WallProblem problem;
+    Model& model = problem.model;
+    model = {mesh.mesh, materials, std::vector<std::uint8_t>(3 * mesh.mesh.nodes.size(), 0)};
+    problem.prescribed_mm = Columns::Zero(model.num_dofs(), 1);
+    const auto prescribe = [&](Index region, const auto& displacement_at) {
+        const auto on_region = nodes_on_region(mesh, region);
+        for (Index n = 0; n < mesh.mesh.num_nodes(); ++n) {
+            if (!on_region[n]) continue;
+            const Vec3 u = displacement_at(mesh.mesh.nodes[n]);
+            for (int c = 0; c < 3; ++c) {
+                model.prescribed[3 * n + c] = 1;
+                problem.prescribed_mm(3 * n + c, 0) = u[c];
+            }
+        }
+    };
+    const auto at_rest = [](const Vec3&) -> Vec3 { return Vec3::Zero(); };
+    for (const WallMotion& motion : motions) {
+        prescribe(first_organ_region + motion.organ(),
+                  [&](const Vec3& x) { return motion.displacement(x); });
+    }
+    prescribe(outside_region, at_rest);
+    prescribe(first_organ_region + bone_left, at_rest);
+    prescribe(first_organ_region + bone_right, at_rest);
+    return problem;
+}
+
+Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
+                            const std::vector<WallMotion>& motions, double load_factor,
+                            TissueLaw law, const LinearSolverOptions& options,
+                            const ProgressSink& progress) {
+    const WallProblem problem = make_wall_problem(mesh, materials, motions);
+    return law == TissueLaw::linear ? deform_linear(problem, load_factor, options, progress)
+                                    : deform_finite(problem, law, load_factor, options, progress);
+}
+
+std::vector<Vec3> nodal_forces(const Mesh& mesh, const std::vector<LinearElastic>& materials,
+                               const std::vector<Vec3>& displacement) {
+    std::vector<Vec3> forces(mesh.nodes.size(), Vec3::Zero());
+    for (Index t = 0; t < mesh.num_tets(); ++t) {
+        const LinearElastic& material = materials[mesh.region[t]];
+        const auto gradients = shape_gradients(mesh, t);
+        const Mat3 gradient = displacement_gradient(mesh, t, displacement);
+        // sigma = E (lambda tr(eps) I + 2 mu eps), force on node c = volume sigma grad N_c.
+        const Mat3 strain = 0.5 * (gradient + gradient.transpose());
+        const Mat3 stress =
+            material.stiffness_kpa * (material.unit_lambda() * strain.trace() * Mat3::Identity() +
+                                      2 * material.unit_mu() * strain);
+        for (int c = 0; c < 4; ++c) {
+            forces[mesh.tets[t][c]] += tet_volume(mesh, t) * stress * gradients.col(c);
+        }
+    }
+    return forces;
+}
+
+}  // namespace palpate

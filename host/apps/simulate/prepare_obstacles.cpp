@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/simulate/prepare_obstacles.hpp"
+
+#include <algorithm>
+
+#include "solver/base/error.hpp"
+#include "solver/materials/registry.hpp"
+#include "solver/model/surface_load.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double stiffness_factor = 100;
+
+double modulus_kpa(const SolidMaterial& material) {
+    double height = 1;
+    for (const RelaxationTerm& term : material.relaxation) height += term.amplitude;
+    return height * small_strain_moduli(material.law, material.parameters).stiffness_kpa;
+}
+
+/// The stiffest material of elements that have a node of these faces.
+double stiffest_kpa(const std::vector<Face>& faces, const SolidMesh& mesh,
+                    const std::vector<SolidMaterial>& materials) {
+    std::vector<std::uint8_t> is_touched(mesh.nodes.size(), 0);
+    for (const Face& face : faces)
+        for (const Index node : face) is_touched[node] = 1;
+    double stiffest = 0;
+    for (Index e = 0; e < mesh.num_elements(); ++e) {
+        const auto nodes = mesh.nodes_of(e);
+        if (std::any_of(nodes.begin(), nodes.end(), [&](Index n) { return is_touched[n] != 0; }))
+            stiffest = std::max(stiffest, modulus_kpa(materials[mesh.region[e]]));
+    }
+    return stiffest;
+}
+
+double mean_edge_mm(const std::vector<Face>& faces, const SolidMesh& mesh) {
+    const std::size_t corners = mesh.formulation == Formulation::solid ? 3 : 2;
+    double sum = 0;
+    for (const Face& face : faces)
+        for (std::size_t a = 0; a < corners; ++a)
+            sum += (mesh.nodes[face[a]] - mesh.nodes[face[(a + 1) % corners]]).norm();
+    return sum / static_cast<double>(corners * faces.size());
+}
+
+}  // namespace
+
+Contact contact_of(const ObstacleSettings& settings, const SelectableMesh& in,
+                   const std::vector<SolidMaterial>& materials) {
+    Contact contact;
+    contact.obstacle = settings.obstacle;
+    contact.faces = settings.where ? selected_faces(*settings.where, in) : boundary_faces(in.mesh);
+    const auto stiffness = [&] {
+        return stiffness_factor * stiffest_kpa(contact.faces, in.mesh, materials) /
+               mean_edge_mm(contact.faces, in.mesh);
+    };
+    contact.stiffness_kpa_per_mm =
+        settings.stiffness_kpa_per_mm ? *settings.stiffness_kpa_per_mm : stiffness();
+    contact.slip_stiffness_kpa_per_mm =
+        settings.slip_stiffness_kpa_per_mm.value_or(contact.stiffness_kpa_per_mm);
+    contact.friction = settings.friction;
+    try {
+        check_contact(contact, in.mesh);
+    } catch (const Error& error) {
+        settings.source.fail(error.what());
+    }
+    return contact;
+}
+
+}  // namespace palpate

@@ -1,0 +1,268 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "host/apps/simulate/read_loads.hpp"
+#include "host/apps/simulate/selection.hpp"
+#include "host/apps/simulate/setting_values.hpp"
+#include "host/apps/simulate/simulation_settings.hpp"
+#include "host/imaging/files.hpp"
+#include "solver/base/error.hpp"
+#include "solver/materials/registry.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t largest_file_bytes = 16 << 20;
+constexpr std::size_t longest_title = 120;
+constexpr int largest_label = 65535;
+constexpr int most_divisions = 1000;
+
+std::array<int, 3> read_divisions(const SettingsTable& table, std::size_t dimension) {
+    const auto values = table.numbers("divisions", dimension, dimension);
+    if (!values) table.missing("divisions", "how many cells along each edge");
+    std::array<int, 3> divisions{1, 1, 1};
+    for (std::size_t k = 0; k < dimension; ++k) {
+        const double value = (*values)[k];
+        if (!(value >= 1 && value <= most_divisions) || value != static_cast<int>(value))
+            table.refuse("divisions",
+                         fmt::format("allowed: whole numbers from 1 to {}", most_divisions));
+        divisions[k] = static_cast<int>(value);
+    }
+    return divisions;
+}
+
+GridSettings read_grid(const SettingsTable& table, bool is_solid) {
+    std::vector<std::string_view> keys{"size_mm", "divisions", "origin_mm"};
+    if (!is_solid) keys.push_back("element");
+    table.allow_keys(keys);
+    const std::size_t dimension = is_solid ? 3 : 2;
+    GridSettings grid;
+    const auto size = table.numbers("size_mm", dimension, dimension);
+    if (!size) table.missing("size_mm", fmt::format("{} lengths in mm", dimension));
+    for (std::size_t k = 0; k < dimension; ++k) {
+        if (!((*size)[k] > 0)) table.refuse("size_mm", "allowed: lengths greater than 0 mm");
+        grid.size_mm[k] = (*size)[k];
+    }
+    if (const auto origin = table.numbers("origin_mm", dimension, dimension))
+        std::copy(origin->begin(), origin->end(), grid.origin_mm.data());
+    grid.divisions = read_divisions(table, dimension);
+    if (!is_solid)
+        grid.type = element_type_of(table.choice("element", {"quad4", "tri3"}).value_or("quad4"));
+    return grid;
+}
+
+Index read_label(const SettingsTable& table) {
+    const auto label = table.whole_number("region", 0, largest_label);
+    if (!label) table.missing("region", "a whole number, the label of cells");
+    return *label;
+}
+
+PartSettings read_part(const SettingsTable& table) {
+    table.allow_keys({"region", "where"});
+    const auto where = table.table("where");
+    if (!where) table.missing("where", "where = {centre_mm = [...], radius_mm = ...}, for example");
+    return {read_label(table), read_selection(*where)};
+}
+
+void read_mesh_source(const SettingsTable& table, const fs::path& folder, MeshSettings& mesh) {
+    const bool is_solid = mesh.formulation == Formulation::solid;
+    const char* generator = is_solid ? "box" : "rectangle";
+    const char* other = is_solid ? "rectangle" : "box";
+    if (table.has(other))
+        table.refuse(other, fmt::format("the formulation is \"{}\", which takes a {}",
+                                        name_of(mesh.formulation), generator));
+    if (table.has("file") == table.has(generator))
+        table.fail(
+            fmt::format("give either file = \"mesh.vtu\" or {0} = {{size_mm = [...], "
+                        "divisions = [...]}}",
+                        generator));
+    if (const auto grid = table.table(generator)) {
+        if (table.has("region_array"))
+            table.refuse("region_array", "it goes with a file; use [[mesh.part]] here");
+        if (table.has("unit")) table.refuse("unit", "it goes with a file; grids are in mm");
+        mesh.grid = read_grid(*grid, is_solid);
+    } else {
+        mesh.file = folder / *table.text("file");
+        if (const auto why = why_unreadable(mesh.file))
+            throw Error(ErrorCode::input_unreadable,
+                        fmt::format("cannot read the mesh '{}': {}; check 'file' in [mesh]",
+                                    mesh.file.string(), *why));
+        mesh.region_array = table.text("region_array");
+        const std::string unit = table.choice("unit", {"mm", "cm", "m"}).value_or("mm");
+        mesh.mm_per_unit = unit == "m" ? 1000 : unit == "cm" ? 10 : 1;
+    }
+}
+
+MeshSettings read_mesh(const SettingsTable& table, const fs::path& folder) {
+    table.allow_keys({"file", "region_array", "unit", "box", "rectangle", "part", "formulation",
+                      "thickness_mm", "quadratic", "volume"});
+    MeshSettings mesh;
+    mesh.source = table;
+    mesh.formulation = formulation_of(
+        table.choice("formulation", {"solid", "plane-strain", "plane-stress", "axisymmetric"})
+            .value_or("solid"));
+    const bool is_slice = mesh.formulation == Formulation::plane_strain ||
+                          mesh.formulation == Formulation::plane_stress;
+    if (table.has("thickness_mm") && !is_slice)
+        table.refuse("thickness_mm", "it goes with plane-strain and plane-stress; remove it");
+    mesh.thickness_mm = table.number("thickness_mm", positive).value_or(1);
+    read_mesh_source(table, folder, mesh);
+    for (const SettingsTable& part : table.tables("part")) mesh.parts.push_back(read_part(part));
+    mesh.quadratic = table.yes_or_no("quadratic").value_or(false);
+    const auto volume = table.choice("volume", {"pointwise", "element-mean"});
+    if (volume && *volume == "element-mean") {
+        if (mesh.formulation == Formulation::plane_stress)
+            table.refuse("volume",
+                         "in plane stress the volume follows from the law; allowed: "
+                         "\"pointwise\"");
+        mesh.volume = VolumeTreatment::element_mean;
+    }
+    return mesh;
+}
+
+/// The law of a material table; a mistake is shown with those that there are.
+const MaterialDescription& read_law(const SettingsTable& table) {
+    std::string names;
+    for (const MaterialDescription& law : material_laws())
+        names += (names.empty() ? "\"" : ", \"") + std::string(law.name) + "\"";
+    const auto name = table.text("law");
+    if (!name) table.missing("law", names);
+    for (const MaterialDescription& law : material_laws())
+        if (law.name == *name) return law;
+    table.refuse("law", "allowed: " + names);
+}
+
+std::vector<RelaxationTerm> read_relaxation(const SettingsTable& table) {
+    std::vector<RelaxationTerm> terms;
+    for (const SettingsTable& term : table.tables("relaxation")) {
+        term.allow_keys({"amplitude", "time_s"});
+        terms.push_back({needed_number(term, "amplitude", not_negative),
+                         needed_number(term, "time_s", positive)});
+    }
+    return terms;
+}
+
+MaterialSettings read_material(const SettingsTable& table) {
+    const MaterialDescription& law = read_law(table);
+    std::vector<std::string_view> keys{"region", "law", "relaxation"};
+    for (const MaterialParameter& parameter : law.parameters) keys.push_back(parameter.name);
+    table.allow_keys(keys);
+    MaterialSettings settings;
+    settings.source = table;
+    if (table.has("region")) settings.region = read_label(table);
+    settings.material.law = law.name;
+    for (const MaterialParameter& parameter : law.parameters) {
+        const std::string allowed = allowed_text(parameter);
+        if (!table.has(parameter.name)) table.missing(parameter.name, allowed);
+        const auto value = table.number(parameter.name, any_number);
+        if (!parameter.range.contains(*value)) table.refuse(parameter.name, "allowed: " + allowed);
+        settings.material.parameters.push_back(*value);
+    }
+    settings.material.relaxation = read_relaxation(table);
+    return settings;
+}
+
+std::vector<MaterialSettings> read_materials(const SettingsTable& document) {
+    std::vector<MaterialSettings> materials;
+    const std::vector<SettingsTable> tables = document.tables("material");
+    if (tables.empty()) document.fail("there is no [[material]]; say what the body is made of");
+    for (const SettingsTable& table : tables) {
+        const MaterialSettings material = read_material(table);
+        if (!material.region && tables.size() > 1)
+            table.missing("region", "a label, because there are several materials");
+        for (const MaterialSettings& other : materials)
+            if (other.region == material.region)
+                table.refuse("region", "another [[material]] has it; labels must differ");
+        materials.push_back(material);
+    }
+    return materials;
+}
+
+void read_newton(const SettingsTable& table, SimulationSettings& settings) {
+    table.allow_keys(
+        {"relative_tolerance", "max_steps", "first_step", "smallest_step", "load_steps"});
+    EquilibriumOptions& newton = settings.newton;
+    newton.relative_tolerance =
+        table.number("relative_tolerance", {1e-14, 0.1}).value_or(newton.relative_tolerance);
+    newton.max_newton_steps =
+        table.whole_number("max_steps", 1, 10000).value_or(newton.max_newton_steps);
+    newton.first_step = table.number("first_step", {0, 1, true}).value_or(newton.first_step);
+    newton.smallest_step =
+        table.number("smallest_step", {0, 1, true}).value_or(newton.smallest_step);
+    if (newton.smallest_step > newton.first_step)
+        table.refuse(table.has("smallest_step") ? "smallest_step" : "first_step",
+                     fmt::format("allowed: smallest_step ({:g}) at most first_step ({:g})",
+                                 newton.smallest_step, newton.first_step));
+    settings.load_steps = table.whole_number("load_steps", 1, 10000).value_or(1);
+    if (settings.history && table.has("load_steps"))
+        table.refuse("load_steps", "with a [history] its rows are the steps; remove it");
+}
+
+void read_dynamics(const SettingsTable& table, SimulationSettings& settings) {
+    table.allow_keys({"density_kg_per_m3", "damping_per_s", "safety"});
+    if (!settings.history) table.fail("a motion needs a [history] of its loads; add one");
+    ExplicitOptions options;
+    options.density_kg_per_m3 =
+        table.number("density_kg_per_m3", positive).value_or(options.density_kg_per_m3);
+    options.damping_per_s =
+        table.number("damping_per_s", not_negative).value_or(options.damping_per_s);
+    options.safety = table.number("safety", {0, 0.999, true}).value_or(options.safety);
+    settings.dynamics = options;
+}
+
+std::string read_title(const SettingsTable& document) {
+    const std::string title = document.text("title").value_or("");
+    if (title.size() > longest_title)
+        document.refuse("title", fmt::format("allowed: at most {} characters", longest_title));
+    return title;
+}
+
+}  // namespace
+
+SimulationSettings parse_simulation(const std::string& toml, const std::string& source_name,
+                                    const fs::path& folder) {
+    const SettingsTable document = SettingsTable::parse(toml, source_name);
+    std::vector<std::string_view> keys{"title",   "mesh",   "material",
+                                       "history", "newton", "dynamics"};
+    keys.insert(keys.end(), load_keys.begin(), load_keys.end());
+    document.allow_keys(keys);
+    SimulationSettings settings;
+    settings.title = read_title(document);
+    const auto mesh = document.table("mesh");
+    if (!mesh) document.fail("there is no [mesh]; give a file, a box or a rectangle");
+    settings.mesh = read_mesh(*mesh, folder);
+    settings.materials = read_materials(document);
+    if (const auto history = document.table("history"))
+        settings.history = read_history(*history, folder);
+    read_loads(document, settings);
+    if (const auto newton = document.table("newton")) read_newton(*newton, settings);
+    if (const auto dynamics = document.table("dynamics")) {
+        if (document.has("newton"))
+            document.refuse("newton", "a motion has no Newton steps; remove it");
+        read_dynamics(*dynamics, settings);
+    }
+    return settings;
+}
+
+SimulationSettings read_simulation(const fs::path& path) {
+    const auto refuse = [&](const std::string& why) {
+        throw Error(
+            ErrorCode::input_unreadable,
+            fmt::format("cannot read the model '{}': {}; check the path", path.string(), why));
+    };
+    if (const auto why = why_unreadable(path)) refuse(*why);
+    std::error_code failed;
+    if (fs::file_size(path, failed) > largest_file_bytes) refuse("it is larger than 16 MiB");
+    std::ifstream in(path, std::ios::binary);
+    const std::string toml{std::istreambuf_iterator<char>(in), {}};
+    return parse_simulation(toml, path.filename().string(), path.parent_path());
+}
+
+}  // namespace palpate
