@@ -21,9 +21,9 @@
 
 #include "bench/child_program.hpp"
 #include "host/apps/phantom/pelvis.hpp"
-#include "host/imaging/files.hpp"
-#include "host/pipeline/recover.hpp"
-#include "host/pipeline/search_target.hpp"
+#include "host/apps/recover/pipeline/recover.hpp"
+#include "host/apps/recover/pipeline/search_target.hpp"
+#include "host/io/files.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/large_blocks.hpp"

@@ -16,8 +16,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SOLVER_MODEL = ["solver/base", "solver/mesh", "solver/elements", "solver/materials", "solver/model"]
 BACKEND = SOLVER_MODEL + ["solver/backend"]
 SOLVER = BACKEND + ["solver/linear", "solver/equilibrium", "solver/adjoint", "solver/condense"]
-STATIONS = ["host/system", "host/imaging", "host/surfaces", "host/meshing", "host/warping", "host/modelling", "host/objectives",
-            "host/inverse", "host/result", "host/report"]
+FILES = SOLVER + ["host/system", "host/io"]
+GEOMETRY = FILES + ["host/geometry/fields", "host/geometry/surfaces", "host/geometry/meshing", "host/geometry/warping"]
+RECOVER = [f"host/apps/recover/{station}"
+           for station in ("modelling", "objectives", "inverse", "result", "report", "pipeline")]
 
 ALLOWED = {
     "solver/base": [],
@@ -36,21 +38,24 @@ ALLOWED = {
     "solver/adjoint": BACKEND + ["solver/linear", "solver/equilibrium"],
     "solver/condense": BACKEND + ["solver/linear", "solver/equilibrium"],
     # The mesh program is licensed apart: it shares the exchange format and plain types, no more.
-    "host/mesh_tool": ["solver/base", "solver/mesh", "host/meshing/exchange",
-                       "host/meshing/dihedral"],
-    "host/apps/phantom": SOLVER + STATIONS[:6],
-    "host/pipeline": SOLVER + STATIONS + ["host/apps/phantom"],
-    "host/apps/study": SOLVER + STATIONS + ["host/apps/phantom", "host/pipeline"],
-    "host/apps/simulate": SOLVER + STATIONS + ["host/pipeline"],
-    "host/apps/export": SOLVER + STATIONS,
-    "host/faces/cli": SOLVER + STATIONS + ["host/apps/phantom", "host/pipeline", "host/apps/study",
-                                     "host/apps/simulate", "host/apps/export"],
-    "host/faces/slicer": SOLVER + STATIONS + ["host/pipeline"],
+    "host/geometry/mesh_tool": ["solver/base", "solver/mesh", "host/geometry/meshing/exchange",
+                                "host/geometry/meshing/dihedral"],
+    "host/system": SOLVER,
+    "host/io": FILES,
+    "host/apps/phantom": GEOMETRY + RECOVER[:1],
+    "host/apps/study": GEOMETRY + RECOVER + ["host/apps/phantom"],
+    "host/apps/simulate": GEOMETRY + RECOVER[:5],
+    "host/apps/export": GEOMETRY + RECOVER[:5],
+    "host/faces/cli": GEOMETRY + RECOVER + [f"host/apps/{name}" for name in ("phantom", "study", "simulate", "export")],
+    "host/faces/slicer": GEOMETRY + RECOVER,
     "host/faces/python": ["host/faces/capi"],
-    "host/faces/capi": SOLVER + STATIONS + ["host/apps/phantom", "host/pipeline"],
+    "host/faces/capi": GEOMETRY + RECOVER + ["host/apps/phantom"],
 }
-for position, station in enumerate(STATIONS):
-    ALLOWED[station] = SOLVER + STATIONS[:position]
+for position, folder in enumerate(GEOMETRY):
+    if folder.startswith("host/geometry"):
+        ALLOWED[folder] = GEOMETRY[:position]
+for position, station in enumerate(RECOVER):
+    ALLOWED[station] = GEOMETRY + RECOVER[:position]
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+"((?:solver|host|kernels|tests)/[^"]+)"')
 

@@ -10,10 +10,10 @@
 #include <cmath>
 #include <random>
 
-#include "host/imaging/label_field.hpp"
-#include "host/meshing/mesh_checks.hpp"
-#include "host/meshing/mesher.hpp"
-#include "host/surfaces/extract.hpp"
+#include "host/geometry/fields/label_field.hpp"
+#include "host/geometry/meshing/mesh_checks.hpp"
+#include "host/geometry/meshing/mesher.hpp"
+#include "host/geometry/surfaces/extract.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

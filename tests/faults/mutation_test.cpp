@@ -12,10 +12,10 @@
 #include <random>
 #include <sstream>
 
-#include "host/imaging/files.hpp"
-#include "host/imaging/io.hpp"
-#include "host/meshing/io.hpp"
-#include "host/surfaces/read_shapes.hpp"
+#include "host/geometry/meshing/mesh_files.hpp"
+#include "host/geometry/surfaces/read_shapes.hpp"
+#include "host/io/files.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "tests/fixtures/meshes.hpp"
 

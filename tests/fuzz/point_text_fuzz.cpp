@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sstream>
 
-#include "host/surfaces/point_text.hpp"
+#include "host/geometry/surfaces/point_text.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

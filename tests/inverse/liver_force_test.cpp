@@ -18,10 +18,10 @@
 #include <map>
 #include <sstream>
 
-#include "host/pipeline/mechanics.hpp"
-#include "host/pipeline/search_target.hpp"
-#include "host/surfaces/point_shape.hpp"
-#include "host/surfaces/surface_shape.hpp"
+#include "host/apps/recover/pipeline/mechanics.hpp"
+#include "host/apps/recover/pipeline/search_target.hpp"
+#include "host/geometry/surfaces/point_shape.hpp"
+#include "host/geometry/surfaces/surface_shape.hpp"
 
 namespace palpate {
 namespace {

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/imaging/files.hpp"
-#include "host/meshing/io.hpp"
+#include "host/geometry/meshing/mesh_files.hpp"
+#include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/modelling/tissue_law.hpp"
-#include "host/result/recovery_result.hpp"
+#include "host/apps/recover/modelling/tissue_law.hpp"
+#include "host/apps/recover/result/recovery_result.hpp"
 #include "solver/mesh/mesh.hpp"
 
 namespace palpate {

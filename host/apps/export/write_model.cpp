@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "host/imaging/files.hpp"
-#include "host/imaging/preflight.hpp"
-#include "host/meshing/io.hpp"
-#include "host/report/result_folder.hpp"
+#include "host/apps/recover/report/result_folder.hpp"
+#include "host/geometry/meshing/mesh_files.hpp"
+#include "host/io/files.hpp"
+#include "host/io/preflight.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

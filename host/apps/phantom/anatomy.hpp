@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/apps/phantom/organ_shape.hpp"
-#include "host/imaging/label_image.hpp"
+#include "host/io/label_image.hpp"
 
 namespace palpate {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/imaging/label_field.hpp"
-#include "host/imaging/label_image.hpp"
+#include "host/geometry/fields/label_field.hpp"
+#include "host/io/label_image.hpp"
 
 namespace palpate {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "host/imaging/label_image.hpp"
+#include "host/io/label_image.hpp"
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/newton.hpp"
 #include "solver/linear/make_linear_solver.hpp"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "host/apps/phantom/wall_motion.hpp"
-#include "host/meshing/mesher.hpp"
-#include "host/modelling/tissue_law.hpp"
+#include "host/apps/recover/modelling/tissue_law.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {

@@ -13,7 +13,7 @@
 #include "host/apps/phantom/tumour.hpp"
 #include "host/apps/phantom/voxelise.hpp"
 #include "host/apps/phantom/zones.hpp"
-#include "host/surfaces/extract.hpp"
+#include "host/geometry/surfaces/extract.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

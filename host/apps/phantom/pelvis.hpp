@@ -11,9 +11,9 @@
 #include "host/apps/phantom/contour_error.hpp"
 #include "host/apps/phantom/deform.hpp"
 #include "host/apps/phantom/wall_motion.hpp"
-#include "host/imaging/label_image.hpp"
-#include "host/meshing/mesher.hpp"
-#include "host/modelling/settings.hpp"
+#include "host/apps/recover/modelling/settings.hpp"
+#include "host/geometry/meshing/mesher.hpp"
+#include "host/io/label_image.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {

@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "host/apps/phantom/pelvis.hpp"
-#include "host/imaging/io.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
 

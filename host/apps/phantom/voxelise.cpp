@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "host/meshing/rasterise.hpp"
-#include "host/surfaces/closest_point.hpp"
+#include "host/geometry/meshing/rasterise.hpp"
+#include "host/geometry/surfaces/closest_point.hpp"
 #include "solver/base/parallel.hpp"
 
 namespace palpate {

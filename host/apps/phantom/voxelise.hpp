@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "host/imaging/label_image.hpp"
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesher.hpp"
+#include "host/io/label_image.hpp"
 
 namespace palpate {
 

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
+#include "host/apps/recover/report/findings.hpp"
+#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/simulate/mesh_picture.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
-#include "host/report/findings.hpp"
-#include "host/report/markup.hpp"
 
 namespace palpate {
 namespace {

@@ -11,7 +11,7 @@
 #include <iterator>
 #include <optional>
 
-#include "host/imaging/files.hpp"
+#include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/modelling/settings_table.hpp"
+#include "host/io/settings_table.hpp"
 
 namespace palpate {
 

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <map>
 
-#include "host/report/findings.hpp"
-#include "host/report/markup.hpp"
+#include "host/apps/recover/report/findings.hpp"
+#include "host/apps/recover/report/markup.hpp"
 
 namespace palpate {
 namespace {

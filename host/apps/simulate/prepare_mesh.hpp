@@ -3,7 +3,7 @@
 #pragma once
 
 #include "host/apps/simulate/simulation_settings.hpp"
-#include "host/meshing/solid_mesh_file.hpp"
+#include "host/geometry/meshing/solid_mesh_file.hpp"
 
 namespace palpate {
 

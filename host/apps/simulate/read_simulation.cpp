@@ -10,7 +10,7 @@
 #include "host/apps/simulate/selection.hpp"
 #include "host/apps/simulate/setting_values.hpp"
 #include "host/apps/simulate/simulation_settings.hpp"
-#include "host/imaging/files.hpp"
+#include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 #include "solver/materials/registry.hpp"
 

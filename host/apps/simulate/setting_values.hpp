@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "host/modelling/settings_table.hpp"
+#include "host/io/settings_table.hpp"
 #include "solver/base/types.hpp"
 
 // Values that several tables of a model file hold.

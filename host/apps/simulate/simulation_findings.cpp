@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "host/report/findings.hpp"
-#include "host/report/plain_text.hpp"
+#include "host/apps/recover/report/findings.hpp"
+#include "host/apps/recover/report/plain_text.hpp"
 
 namespace palpate {
 

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 
+#include "host/apps/recover/report/assets.hpp"
+#include "host/apps/recover/report/findings.hpp"
+#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/simulate/assets.hpp"
 #include "host/apps/simulate/body_figures.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/apps/simulate/simulation_plots.hpp"
-#include "host/report/assets.hpp"
-#include "host/report/findings.hpp"
-#include "host/report/markup.hpp"
 #include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 

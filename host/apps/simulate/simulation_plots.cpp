@@ -8,11 +8,11 @@
 #include <cmath>
 #include <set>
 
+#include "host/apps/recover/report/findings.hpp"
+#include "host/apps/recover/report/legend.hpp"
+#include "host/apps/recover/report/markup.hpp"
+#include "host/apps/recover/report/plot.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
-#include "host/report/findings.hpp"
-#include "host/report/legend.hpp"
-#include "host/report/markup.hpp"
-#include "host/report/plot.hpp"
 
 namespace palpate {
 namespace {

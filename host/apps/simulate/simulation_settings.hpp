@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/apps/simulate/load_table.hpp"
-#include "host/modelling/settings_table.hpp"
+#include "host/io/settings_table.hpp"
 #include "solver/equilibrium/explicit_steps.hpp"
 #include "solver/model/solid_model.hpp"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/imaging/label_image.hpp"
+#include "host/io/label_image.hpp"
 
 namespace palpate {
 

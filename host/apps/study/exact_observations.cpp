@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "host/surfaces/surface_shape.hpp"
+#include "host/geometry/surfaces/surface_shape.hpp"
 
 namespace palpate {
 namespace {

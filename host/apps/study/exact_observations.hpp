@@ -3,9 +3,9 @@
 #pragma once
 
 #include "host/apps/phantom/pelvis.hpp"
-#include "host/inverse/map_estimate.hpp"
-#include "host/objectives/surface_observations.hpp"
-#include "host/pipeline/mechanics.hpp"
+#include "host/apps/recover/inverse/map_estimate.hpp"
+#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/pipeline/mechanics.hpp"
 
 namespace palpate {
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/report/markup.hpp"
-#include "host/report/plot.hpp"
+#include "host/apps/recover/report/markup.hpp"
+#include "host/apps/recover/report/plot.hpp"
 
 namespace palpate {
 namespace {

@@ -6,12 +6,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/pipeline/finite_strain.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/exact_observations.hpp"
 #include "host/apps/study/pelvis_case.hpp"
 #include "host/apps/study/tables.hpp"
-#include "host/inverse/uncertainty.hpp"
-#include "host/pipeline/finite_strain.hpp"
 
 namespace palpate {
 namespace {

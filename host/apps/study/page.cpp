@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
+#include "host/apps/recover/report/assets.hpp"
+#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/study/assets.hpp"
 #include "host/apps/study/study_folder.hpp"
-#include "host/report/assets.hpp"
-#include "host/report/markup.hpp"
 #include "host/system/version.hpp"
 
 namespace palpate {

@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "host/apps/phantom/random_numbers.hpp"
+#include "host/apps/recover/pipeline/recover.hpp"
 #include "host/apps/study/statistics.hpp"
-#include "host/pipeline/recover.hpp"
 
 namespace palpate {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "host/apps/phantom/pelvis.hpp"
+#include "host/apps/recover/result/recovery_result.hpp"
 #include "host/apps/study/studies.hpp"
-#include "host/result/recovery_result.hpp"
 
 namespace palpate {
 

@@ -8,7 +8,7 @@
 #include "host/apps/phantom/contour_error.hpp"
 #include "host/apps/phantom/wall_motion.hpp"
 #include "host/apps/study/study.hpp"
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {

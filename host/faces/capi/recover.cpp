@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/recover.hpp"
+#include "host/apps/recover/pipeline/recover.hpp"
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <cstring>
 
+#include "host/apps/recover/report/json_report.hpp"
+#include "host/apps/recover/report/result_folder.hpp"
 #include "host/faces/capi/guard.hpp"
 #include "host/faces/capi/handles.hpp"
 #include "host/faces/capi/solver_options.hpp"
-#include "host/imaging/grid_check.hpp"
-#include "host/report/json_report.hpp"
-#include "host/report/result_folder.hpp"
+#include "host/io/grid_check.hpp"
 #include "solver/base/large_blocks.hpp"
 
 using namespace palpate;

@@ -10,8 +10,8 @@
 #include "host/apps/export/write_model.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/output_file.hpp"
-#include "host/imaging/displacement_steps.hpp"
-#include "host/warping/field_files.hpp"
+#include "host/geometry/warping/field_files.hpp"
+#include "host/io/displacement_steps.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

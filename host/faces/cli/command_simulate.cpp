@@ -4,12 +4,12 @@
 
 #include <memory>
 
+#include "host/apps/recover/report/result_folder.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/apps/simulate/simulation_folder.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/faces/cli/time_limit.hpp"
-#include "host/report/result_folder.hpp"
 #include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
 

@@ -7,15 +7,15 @@
 #include <memory>
 #include <string>
 
+#include "host/apps/recover/report/result_folder.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/output_file.hpp"
-#include "host/imaging/files.hpp"
-#include "host/imaging/io.hpp"
-#include "host/report/result_folder.hpp"
-#include "host/warping/field_files.hpp"
-#include "host/warping/moved_grid.hpp"
-#include "host/warping/point_table.hpp"
-#include "host/warping/warp_volume.hpp"
+#include "host/geometry/warping/field_files.hpp"
+#include "host/geometry/warping/moved_grid.hpp"
+#include "host/geometry/warping/point_table.hpp"
+#include "host/geometry/warping/warp_volume.hpp"
+#include "host/io/files.hpp"
+#include "host/io/volume_files.hpp"
 
 namespace palpate {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "host/imaging/io.hpp"
-#include "host/warping/displacement_field.hpp"
+#include "host/geometry/warping/displacement_field.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

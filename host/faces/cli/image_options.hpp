@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/pipeline/recover.hpp"
-#include "host/report/grey_picture.hpp"
+#include "host/apps/recover/pipeline/recover.hpp"
+#include "host/apps/recover/report/grey_picture.hpp"
 
 namespace palpate {
 

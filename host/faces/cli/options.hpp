@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {

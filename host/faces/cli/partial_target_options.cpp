@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "host/surfaces/read_shapes.hpp"
+#include "host/geometry/surfaces/read_shapes.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/pipeline/recover.hpp"
+#include "host/apps/recover/pipeline/recover.hpp"
 
 namespace palpate {
 

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "host/apps/recover/report/result_folder.hpp"
+#include "host/apps/recover/report/text_report.hpp"
 #include "host/faces/slicer/progress_tags.hpp"
 #include "host/faces/slicer/recover_module.hpp"
-#include "host/imaging/files.hpp"
-#include "host/report/result_folder.hpp"
-#include "host/report/text_report.hpp"
+#include "host/io/files.hpp"
 #include "host/system/blas_kernels.hpp"
 #include "host/system/interrupt.hpp"
 #include "host/system/memory_limit.hpp"

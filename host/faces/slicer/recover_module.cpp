@@ -10,11 +10,11 @@
 #include <memory>
 #include <vector>
 
-#include "host/imaging/files.hpp"
-#include "host/imaging/io.hpp"
-#include "host/report/html_report.hpp"
-#include "host/report/result_folder.hpp"
-#include "host/report/vtk_report.hpp"
+#include "host/apps/recover/report/html_report.hpp"
+#include "host/apps/recover/report/result_folder.hpp"
+#include "host/apps/recover/report/vtk_report.hpp"
+#include "host/io/files.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "host/apps/recover/pipeline/recover.hpp"
 #include "host/faces/slicer/module_arguments.hpp"
-#include "host/pipeline/recover.hpp"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/export/write_model.hpp"
 
-#include "host/meshing/io.hpp"
+#include "host/geometry/meshing/mesh_files.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/exporting/two_tet_model.hpp"
 #include "tests/unit/report/temporary_folder.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/imaging/cubic_bspline.hpp"
+#include "host/geometry/fields/cubic_bspline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/imaging/files.hpp"
+#include "host/io/files.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/imaging/gaussian_smoothing.hpp"
+#include "host/geometry/fields/gaussian_smoothing.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/imaging/label_field.hpp"
+#include "host/geometry/fields/label_field.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "host/imaging/io.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/nifti_bytes.hpp"
 

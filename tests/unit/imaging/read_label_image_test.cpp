@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "host/imaging/io.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/nifti_bytes.hpp"
 #include "tests/unit/imaging/voxelised.hpp"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "host/imaging/io.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/nifti_bytes.hpp"
 #include "tests/unit/imaging/voxelised.hpp"

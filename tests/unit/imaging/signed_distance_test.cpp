@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/imaging/signed_distance.hpp"
+#include "host/geometry/fields/signed_distance.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-#include "host/imaging/label_image.hpp"
+#include "host/io/label_image.hpp"
 
 namespace palpate::testing {
 

@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "host/imaging/displacement_steps.hpp"
-#include "host/imaging/gzip.hpp"
-#include "host/imaging/io.hpp"
-#include "host/imaging/preflight.hpp"
+#include "host/io/displacement_steps.hpp"
+#include "host/io/gzip.hpp"
+#include "host/io/preflight.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/nifti_bytes.hpp"
 #include "tests/unit/imaging/voxelised.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/identifiability.hpp"
+#include "host/apps/recover/inverse/identifiability.hpp"
 
 #include <gtest/gtest.h>
 

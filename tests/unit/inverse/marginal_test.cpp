@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/marginal.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <random>
 
-#include "host/inverse/modulus_search.hpp"
-#include "host/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/modulus_search.hpp"
+#include "host/apps/recover/inverse/uncertainty.hpp"
 #include "tests/fixtures/small_problem.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/modulus_search.hpp"
+#include "host/apps/recover/inverse/modulus_search.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

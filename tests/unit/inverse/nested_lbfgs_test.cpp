@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/nested_lbfgs.hpp"
+#include "host/apps/recover/inverse/nested_lbfgs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <memory>
 #include <random>
 
-#include "host/meshing/rasterise.hpp"
-#include "host/surfaces/distance_map.hpp"
+#include "host/geometry/meshing/rasterise.hpp"
+#include "host/geometry/surfaces/distance_map.hpp"
 #include "solver/base/error.hpp"
 #include "solver/linear/direct.hpp"
 #include "tests/fixtures/meshes.hpp"

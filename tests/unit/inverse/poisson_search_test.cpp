@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/poisson_search.hpp"
+#include "host/apps/recover/inverse/poisson_search.hpp"
 
 #include <gtest/gtest.h>
 

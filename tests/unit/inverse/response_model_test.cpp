@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/response_model.hpp"
+#include "host/apps/recover/inverse/response_model.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <random>
 
-#include "host/inverse/column_basis.hpp"
-#include "host/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/column_basis.hpp"
+#include "host/apps/recover/inverse/marginal.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

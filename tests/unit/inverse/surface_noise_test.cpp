@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/surface_noise.hpp"
+#include "host/apps/recover/inverse/surface_noise.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/objectives/voxel_terraces.hpp"
+#include "host/apps/recover/objectives/voxel_terraces.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "host/inverse/linear_row.hpp"
+#include "host/apps/recover/inverse/linear_row.hpp"
 
 namespace palpate {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/inverse/wall_fit.hpp"
+#include "host/apps/recover/inverse/wall_fit.hpp"
 
 #include <gtest/gtest.h>
 

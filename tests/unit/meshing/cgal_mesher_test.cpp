@@ -7,8 +7,8 @@
 #include <numbers>
 #include <set>
 
-#include "host/meshing/mesh_checks.hpp"
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesh_checks.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 #include "tests/unit/meshing/test_volumes.hpp"
 
 namespace palpate {

@@ -10,7 +10,7 @@
 #include <csignal>
 #include <fstream>
 
-#include "host/imaging/files.hpp"
+#include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/meshing/exchange.hpp"
+#include "host/geometry/meshing/exchange.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <iterator>
 
-#include "host/imaging/files.hpp"
+#include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/meshing/mesh_checks.hpp"
+#include "host/geometry/meshing/mesh_checks.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/meshing/test_surfaces.hpp"
 #include "tests/unit/meshing/test_volumes.hpp"

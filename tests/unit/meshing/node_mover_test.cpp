@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/mesh_tool/node_mover.hpp"
+#include "host/geometry/mesh_tool/node_mover.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/mesh_tool/region_fill.hpp"
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/mesh_tool/region_fill.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 
 namespace palpate::mesh_tool {
 namespace {

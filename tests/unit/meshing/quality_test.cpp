@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 
 namespace palpate {
 namespace {

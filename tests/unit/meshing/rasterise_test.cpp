@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/meshing/rasterise.hpp"
+#include "host/geometry/meshing/rasterise.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

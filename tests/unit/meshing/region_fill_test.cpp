@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/mesh_tool/region_fill.hpp"
+#include "host/geometry/mesh_tool/region_fill.hpp"
 
 #include <gtest/gtest.h>
 

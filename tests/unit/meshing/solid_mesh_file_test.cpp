@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/meshing/solid_mesh_file.hpp"
+#include "host/geometry/meshing/solid_mesh_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

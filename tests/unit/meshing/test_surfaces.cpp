@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-#include "host/imaging/label_image.hpp"
+#include "host/io/label_image.hpp"
 
 namespace palpate::testing {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/surfaces/surface.hpp"
+#include "host/geometry/surfaces/surface.hpp"
 
 namespace palpate::testing {
 

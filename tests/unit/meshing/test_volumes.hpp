@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "host/imaging/label_field.hpp"
+#include "host/geometry/fields/label_field.hpp"
 
 namespace palpate::testing {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "host/meshing/mesh_checks.hpp"
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesh_checks.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 #include "tests/unit/meshing/test_surfaces.hpp"
 #include "tests/unit/meshing/test_volumes.hpp"
 

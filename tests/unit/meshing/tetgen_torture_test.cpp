@@ -6,7 +6,7 @@
 #include <chrono>
 #include <limits>
 
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesher.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/meshing/test_surfaces.hpp"
 #include "tests/unit/meshing/test_volumes.hpp"

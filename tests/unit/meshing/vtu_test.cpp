@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "host/imaging/files.hpp"
-#include "host/meshing/io.hpp"
+#include "host/geometry/meshing/mesh_files.hpp"
+#include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

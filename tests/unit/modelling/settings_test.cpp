@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/modelling/settings.hpp"
+#include "host/apps/recover/modelling/settings.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,8 +5,8 @@
 #include <functional>
 #include <map>
 
-#include "host/imaging/label_image.hpp"
-#include "host/meshing/mesher.hpp"
+#include "host/geometry/meshing/mesher.hpp"
+#include "host/io/label_image.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate::fixtures {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "host/apps/phantom/pelvis.hpp"
-#include "host/imaging/io.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

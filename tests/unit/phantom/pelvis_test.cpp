@@ -8,8 +8,8 @@
 #include <cmath>
 #include <map>
 
-#include "host/meshing/rasterise.hpp"
-#include "host/warping/warp_volume.hpp"
+#include "host/geometry/meshing/rasterise.hpp"
+#include "host/geometry/warping/warp_volume.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

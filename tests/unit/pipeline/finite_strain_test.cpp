@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/finite_strain.hpp"
+#include "host/apps/recover/pipeline/finite_strain.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
-#include "host/pipeline/recover.hpp"
-#include "host/surfaces/surface_shape.hpp"
+#include "host/apps/recover/pipeline/recover.hpp"
+#include "host/geometry/surfaces/surface_shape.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/phantom/hollow_block.hpp"
 

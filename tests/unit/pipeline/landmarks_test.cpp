@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/landmarks.hpp"
+#include "host/apps/recover/pipeline/landmarks.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "host/imaging/files.hpp"
+#include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

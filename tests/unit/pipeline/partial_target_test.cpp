@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/partial_target.hpp"
+#include "host/apps/recover/pipeline/partial_target.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <string>
 
-#include "host/pipeline/observed_target.hpp"
+#include "host/apps/recover/pipeline/observed_target.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

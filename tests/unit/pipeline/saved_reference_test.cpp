@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/saved_reference.hpp"
-#include "host/pipeline/search_target.hpp"
+#include "host/apps/recover/pipeline/saved_reference.hpp"
+#include "host/apps/recover/pipeline/search_target.hpp"
 
 #include <fmt/format.h>
 
 #include <random>
 
-#include "host/modelling/regions.hpp"
-#include "host/pipeline/byte_stream.hpp"
-#include "host/pipeline/saved_reference_file.hpp"
+#include "host/apps/recover/modelling/regions.hpp"
+#include "host/apps/recover/pipeline/byte_stream.hpp"
+#include "host/apps/recover/pipeline/saved_reference_file.hpp"
 #include "tests/fixtures/meshes.hpp"
 #include "tests/unit/report/temporary_folder.hpp"
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/surface_agreement.hpp"
+#include "host/apps/recover/pipeline/surface_agreement.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host/surfaces/surface_shape.hpp"
+#include "host/geometry/surfaces/surface_shape.hpp"
 #include "tests/unit/surfaces/analytic_surfaces.hpp"
 
 namespace palpate {

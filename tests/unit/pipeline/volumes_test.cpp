@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/pipeline/volumes.hpp"
+#include "host/apps/recover/pipeline/volumes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "host/report/html_report.hpp"
+#include "host/apps/recover/report/html_report.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 #include "tests/unit/report/temporary_folder.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/findings.hpp"
+#include "host/apps/recover/report/findings.hpp"
 
 #include <gtest/gtest.h>
 

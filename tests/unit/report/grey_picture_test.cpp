@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/grey_picture.hpp"
+#include "host/apps/recover/report/grey_picture.hpp"
 
 #include <gtest/gtest.h>
 

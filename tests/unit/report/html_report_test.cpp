@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/html_report.hpp"
+#include "host/apps/recover/report/html_report.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/report/markup.hpp"
+#include "host/apps/recover/report/markup.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/report/holds.hpp"
 #include "tests/unit/report/synthetic_result.hpp"

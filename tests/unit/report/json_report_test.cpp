@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/json_report.hpp"
+#include "host/apps/recover/report/json_report.hpp"
 
 #include <gtest/gtest.h>
 

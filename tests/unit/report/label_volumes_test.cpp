@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/label_volumes.hpp"
+#include "host/apps/recover/report/label_volumes.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/report/static_slices.hpp"
+#include "host/apps/recover/report/static_slices.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 
 namespace palpate {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/plot.hpp"
+#include "host/apps/recover/report/plot.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host/report/report_plots.hpp"
+#include "host/apps/recover/report/report_plots.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 
 namespace palpate {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/result_folder.hpp"
+#include "host/apps/recover/report/result_folder.hpp"
 
 #include <set>
 
-#include "host/imaging/io.hpp"
-#include "host/meshing/io.hpp"
+#include "host/geometry/meshing/mesh_files.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
 #include "tests/unit/report/holds.hpp"

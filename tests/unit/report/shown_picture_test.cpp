@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/shown_picture.hpp"
+#include "host/apps/recover/report/shown_picture.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "host/report/html_report.hpp"
-#include "host/report/static_slices.hpp"
+#include "host/apps/recover/report/html_report.hpp"
+#include "host/apps/recover/report/static_slices.hpp"
 #include "tests/unit/report/holds.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
 #include "tests/unit/report/unpacked.hpp"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/result/recovery_result.hpp"
+#include "host/apps/recover/result/recovery_result.hpp"
 
 namespace palpate {
 

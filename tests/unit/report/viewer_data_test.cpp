@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/report/viewer_data.hpp"
+#include "host/apps/recover/report/viewer_data.hpp"
 
 #include <gtest/gtest.h>
 

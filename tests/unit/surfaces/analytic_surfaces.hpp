@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/surfaces/surface.hpp"
+#include "host/geometry/surfaces/surface.hpp"
 
 namespace palpate::testing {
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/distance_map.hpp"
+#include "host/geometry/surfaces/distance_map.hpp"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <cstdio>
 
-#include "host/surfaces/closest_point.hpp"
+#include "host/geometry/surfaces/closest_point.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/voxelised.hpp"
 #include "tests/unit/surfaces/analytic_surfaces.hpp"

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <map>
 
-#include "host/imaging/io.hpp"
-#include "host/surfaces/extract.hpp"
-#include "host/surfaces/intersections.hpp"
+#include "host/geometry/surfaces/extract.hpp"
+#include "host/geometry/surfaces/intersections.hpp"
+#include "host/io/volume_files.hpp"
 
 namespace palpate {
 namespace {

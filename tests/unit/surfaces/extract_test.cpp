@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/extract.hpp"
+#include "host/geometry/surfaces/extract.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "host/surfaces/intersections.hpp"
+#include "host/geometry/surfaces/intersections.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/imaging/voxelised.hpp"
 

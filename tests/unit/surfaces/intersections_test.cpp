@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/intersections.hpp"
+#include "host/geometry/surfaces/intersections.hpp"
 
 #include <gtest/gtest.h>
 

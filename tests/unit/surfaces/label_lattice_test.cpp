@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/label_lattice.hpp"
+#include "host/geometry/surfaces/label_lattice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 #include <random>
 
-#include "host/surfaces/surface_complex.hpp"
+#include "host/geometry/surfaces/surface_complex.hpp"
 
 namespace palpate {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/nearest_triangles.hpp"
+#include "host/geometry/surfaces/nearest_triangles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 
-#include "host/surfaces/closest_point.hpp"
+#include "host/geometry/surfaces/closest_point.hpp"
 #include "tests/unit/imaging/voxelised.hpp"
 #include "tests/unit/surfaces/analytic_surfaces.hpp"
 

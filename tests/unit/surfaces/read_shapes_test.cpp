@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/read_shapes.hpp"
+#include "host/geometry/surfaces/read_shapes.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/surface.hpp"
+#include "host/geometry/surfaces/surface.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host/surfaces/picture_surface.hpp"
+#include "host/geometry/surfaces/picture_surface.hpp"
 #include "tests/unit/surfaces/analytic_surfaces.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/target_shape.hpp"
+#include "host/geometry/surfaces/target_shape.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <random>
 #include <utility>
 
-#include "host/surfaces/orientation.hpp"
-#include "host/surfaces/point_shape.hpp"
-#include "host/surfaces/surface_shape.hpp"
+#include "host/geometry/surfaces/orientation.hpp"
+#include "host/geometry/surfaces/point_shape.hpp"
+#include "host/geometry/surfaces/surface_shape.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

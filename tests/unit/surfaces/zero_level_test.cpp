@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/surfaces/zero_level.hpp"
+#include "host/geometry/surfaces/zero_level.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/warping/displacement_field.hpp"
+#include "host/geometry/warping/displacement_field.hpp"
 
 #include <gtest/gtest.h>
 

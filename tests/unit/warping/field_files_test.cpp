@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/warping/field_files.hpp"
+#include "host/geometry/warping/field_files.hpp"
 
 #include <itkTransform.h>
 #include <itkTransformFileReader.h>
 
-#include "host/imaging/io.hpp"
-#include "host/imaging/transform_formats.hpp"
+#include "host/io/transform_formats.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/report/temporary_folder.hpp"
 #include "tests/unit/warping/oblique_scene.hpp"

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/warping/inverse_field.hpp"
+#include "host/geometry/warping/inverse_field.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "host/meshing/rasterise.hpp"
-#include "host/warping/displacement_field.hpp"
+#include "host/geometry/meshing/rasterise.hpp"
+#include "host/geometry/warping/displacement_field.hpp"
 #include "tests/fixtures/meshes.hpp"
 #include "tests/unit/warping/oblique_scene.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/warping/moved_grid.hpp"
+#include "host/geometry/warping/moved_grid.hpp"
 
 #include <vtkFieldData.h>
 #include <vtkNew.h>

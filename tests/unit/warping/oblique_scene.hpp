@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "host/imaging/image.hpp"
+#include "host/io/image.hpp"
 
 namespace palpate::testing {
 

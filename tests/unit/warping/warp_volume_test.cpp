@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/warping/warp_volume.hpp"
+#include "host/geometry/warping/warp_volume.hpp"
 
 #include <gtest/gtest.h>
 

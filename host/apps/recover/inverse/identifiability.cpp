@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/inverse/identifiability.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+namespace {
+
+constexpr double strong_correlation = 0.9;
+
+std::string trade_text(const ModulusEvidence& evidence) {
+    if (std::abs(evidence.partner_correlation) <= strong_correlation) return "";
+    return fmt::format(
+        "; its modulus trades with that of {} (correlation {:.2f}): a combination of "
+        "the two is known better than either",
+        evidence.partner, evidence.partner_correlation);
+}
+
+Verdict judge_unseen(const ModulusEvidence& evidence) {
+    const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
+    return {"not identifiable",
+            fmt::format("the images hardly narrow what was assumed beforehand (ln E {:.2f} "
+                        "against {:.2f} before): the organ does not deform enough relative to "
+                        "its surroundings{}",
+                        left, evidence.prior_sd_ln, trade_text(evidence))};
+}
+
+Verdict judge_one_sided(const ModulusEvidence& evidence) {
+    if (!evidence.excludes_stiff && !evidence.excludes_soft) return judge_unseen(evidence);
+    if (!evidence.excludes_stiff) {
+        return {"weak",
+                fmt::format("only a lower bound is known, {:.3g} kPa: anything stiffer moves "
+                            "almost as a rigid body, and no image can tell how stiff; the upper "
+                            "end comes from what was assumed beforehand{}",
+                            evidence.interval_kpa[0], trade_text(evidence))};
+    }
+    return {"weak", fmt::format("only an upper bound is known, {:.3g} kPa: anything softer fits "
+                                "as well; the lower end comes from what was assumed beforehand{}",
+                                evidence.interval_kpa[1], trade_text(evidence))};
+}
+
+}  // namespace
+
+Verdict judge(const ModulusEvidence& evidence) {
+    const double span = evidence.interval_kpa[1] / evidence.interval_kpa[0];
+    const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
+    if (left > evidence.prior_sd_ln * 2.0 / 3.0) return judge_unseen(evidence);
+    if (!evidence.excludes_stiff || !evidence.excludes_soft) return judge_one_sided(evidence);
+    const std::string trade = trade_text(evidence);
+    if (span > 2.0) {
+        return {"weak", fmt::format("the 95 % interval spans a factor of {:.1f}{}", span, trade)};
+    }
+    return {"recovered", fmt::format("the 95 % interval spans a factor of {:.2f}{}", span, trade)};
+}
+
+std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
+                                      double prior_sd_ln) {
+    const double spread = std::exp(1.96 * prior_sd_ln);
+    return {std::min(interval_kpa[0], median_kpa / spread),
+            std::max(interval_kpa[1], median_kpa * spread)};
+}
+
+std::array<double, 2> RatioEvidence::interval() const {
+    return {std::max(allowed[0], best - reach[0]), std::min(allowed[1], best + reach[1])};
+}
+
+Verdict judge_ratio(const RatioEvidence& evidence) {
+    const auto [down, up] = evidence.reach;
+    const double width = evidence.at_limit == RatioLimit::lowest    ? 2 * up
+                         : evidence.at_limit == RatioLimit::highest ? 2 * down
+                                                                    : down + up;
+    const double range = evidence.allowed[1] - evidence.allowed[0];
+    const double share = width / (2 * 1.96 * range / std::sqrt(12.0));
+    const std::string text = fmt::format(
+        "the images leave {:.0f} % of the spread that was assumed beforehand, {:.3g} to "
+        "{:.3g}",
+        100 * std::min(share, 1.0), evidence.allowed[0], evidence.allowed[1]);
+    if (share > 2.0 / 3.0) return {"not identifiable", text};
+    if (evidence.at_limit != RatioLimit::none) {
+        return {"weak", text + "; the best ratio is an end of what was allowed"};
+    }
+    return {share <= 0.5 ? "recovered" : "weak", text};
+}
+
+Verdict judge_unobserved(bool surface_is_driven) {
+    if (surface_is_driven) {
+        return {"not identifiable",
+                "unknown forces act on the organ's whole surface, so any modulus fits; the prior "
+                "median is shown"};
+    }
+    return {"not identifiable",
+            "no free surface of the organ was seen in both images; the prior median is shown"};
+}
+
+Verdict not_judged(const std::string& method) {
+    return {"not judged", fmt::format("the 95 % interval is not computed by {}", method)};
+}
+
+Verdict judge_without_reference() {
+    return {"not identifiable",
+            "no tissue has a known modulus: with no measured force only ratios can be found; give "
+            "one tissue or the background a stiffness_kpa"};
+}
+
+}  // namespace palpate

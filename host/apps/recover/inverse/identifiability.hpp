@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "host/apps/recover/inverse/poisson_search.hpp"
+
+namespace palpate {
+
+/// What the data say about one unknown modulus.
+struct Verdict {
+    std::string verdict;  ///< "recovered", "weak", "not identifiable", "not judged"
+    std::string reason;   ///< one sentence
+};
+
+/// What is known of one modulus after a search.
+struct ModulusEvidence {
+    std::array<double, 2> interval_kpa{1, 1};  ///< 95 %
+    double sd_ln = 0, prior_sd_ln = 1;         ///< posterior and prior standard deviation of ln E
+    double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (uncertainty.hpp)
+    bool excludes_soft = true, excludes_stiff = true;  ///< whether data without prior bound it
+    std::string partner;  ///< the organ whose modulus correlates most; may be empty
+    double partner_correlation = 0;
+};
+
+/// A modulus is *recovered* if its 95 % interval spans at most a factor of 2 and the images bound
+/// it on both sides, *weak* if not, *not identifiable* if the data, or the motion that they show,
+/// narrow the prior by less than a third (method.md section 3).
+Verdict judge(const ModulusEvidence& evidence);
+
+/// The prior's 95 % interval of a modulus with this median, widened to hold `interval_kpa`: all
+/// that is known of a modulus that is not identifiable.
+std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
+                                      double prior_sd_ln);
+
+/// What is known of one Poisson's ratio after a search.
+struct RatioEvidence {
+    double best = 0;
+    std::array<double, 2> reach{0, 0};  ///< of the 95 % interval below and above it
+    RatioLimit at_limit = RatioLimit::none;
+    std::array<double, 2> allowed{0, 0.5};
+    /// `best` and its reach, inside the allowed range.
+    std::array<double, 2> interval() const;
+};
+
+/// A Poisson's ratio is *recovered* if its 95 % interval, the limits notwithstanding, is at most
+/// half as wide as that of a ratio equally likely in the whole allowed range, *not identifiable* if
+/// it is wider than two thirds, *weak* between, and at best weak at a limit.
+Verdict judge_ratio(const RatioEvidence& evidence);
+
+/// For a region that no observed surface touches: its modulus has no influence on the data.
+Verdict judge_unobserved(bool surface_is_driven);
+
+/// For a model whose every modulus is unknown: only ratios of moduli can be found.
+Verdict judge_without_reference();
+
+/// For a search that computes no interval.
+Verdict not_judged(const std::string& method);
+
+}  // namespace palpate

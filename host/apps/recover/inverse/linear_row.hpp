@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "host/apps/recover/objectives/target_frame.hpp"
+#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "solver/base/types.hpp"
+
+namespace palpate {
+
+/// One surface distance, linearised: residual + normal . (u - u_linearised), with noise that is in
+/// part independent from row to row and in part correlated along the surface.
+struct LinearRow {
+    bool on_driven = false;
+    Index position = 0;  ///< of its node among the driven or the observed nodes
+    Vec3 normal = Vec3::Zero();
+    double residual_mm = 0;
+    double independent_mm = 1;  ///< standard deviation of the independent part
+    Terraces terraces;          ///< the part that is correlated along the terraces of voxels
+    double contour_mm = 0;      ///< standard deviation of the part that whoever drew it adds
+    Index surface = 0;          ///< rows of different surfaces have independent noise
+    Vec3 place = Vec3::Zero();  ///< of the node, reference, mm
+    std::array<double, max_terraces> range_mm{};  ///< the correlation of each wave falls to 1/e
+    double weight = 1;  ///< in sums that the size of the noise is found from; less for outliers
+};
+
+/// The target's alignment as an unknown of its own: delta ~ N(0, covariance).
+struct FramePrior {
+    using Covariance = Eigen::Matrix<double, 6, 6>;
+    TargetFrame frame;
+    Covariance covariance = Covariance::Zero();  ///< zero: it is exact
+    FrameMotion motion = FrameMotion::Zero();    ///< delta at which rows are linearised
+
+    Index size() const { return covariance.isZero(0) ? 0 : 6; }
+};
+
+/// Length (mm) of the correlation of what whoever drew a contour adds.
+constexpr double contour_length_mm = 7.0;
+
+/// Matern 3/2: (1 + q) exp(-q), q = sqrt(3) d / l. Rough, because a smooth one would claim that no
+/// error is left at short lengths and make much of tenths of a millimetre there.
+inline double contour_correlation(double distance_mm) {
+    const double q = std::numbers::sqrt3 * distance_mm / contour_length_mm;
+    return (1.0 + q) * std::exp(-q);
+}
+
+/// Covariance (mm^2) between the noise of two different rows: that of contours, and of terraces,
+/// exponential in their distance.
+inline double noise_covariance(const LinearRow& a, const LinearRow& b) {
+    if (a.surface != b.surface) return 0;
+    const double distance = (a.place - b.place).norm();
+    double sum = a.contour_mm * b.contour_mm * contour_correlation(distance);
+    double range = 0, decay = 0;
+    for (int k = 0; k < max_terraces; ++k) {
+        const double wave = a.terraces.waves.col(k).dot(b.terraces.waves.col(k));
+        if (wave == 0) continue;
+        if (a.range_mm[k] != range) {
+            range = a.range_mm[k];
+            decay = std::exp(-distance / range);
+        }
+        sum += wave * decay;
+    }
+    return sum;
+}
+
+/// Of the parts (mm^2) that a row shares with its neighbours.
+inline double correlated_variance(const LinearRow& row) {
+    return row.terraces.variance() + row.contour_mm * row.contour_mm;
+}
+
+inline double noise_variance(const LinearRow& row) {
+    return row.independent_mm * row.independent_mm + correlated_variance(row);
+}
+
+}  // namespace palpate

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/inverse/poisson_search.hpp"
+
+#include <nlopt.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <type_traits>
+
+#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// Residuals of trials whose objective is this much above the lowest count half as much in the
+/// paraboloid.
+constexpr double trusted_rise = 4.0;
+
+const RatioTrial& lowest_of(const std::vector<RatioTrial>& trials) {
+    return *std::min_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) {
+        return a.objective < b.objective;
+    });
+}
+
+/// What the library calls: no exception may cross it.
+struct Descent {
+    const RatioEvaluation& evaluate;
+    nlopt_opt optimiser;
+    std::vector<RatioTrial> trials;
+    std::exception_ptr failure;
+};
+
+double evaluate_trial(unsigned n, const double* x, double*, void* data) {
+    auto& descent = *static_cast<Descent*>(data);
+    try {
+        descent.trials.push_back(descent.evaluate(Eigen::Map<const Eigen::VectorXd>(x, n)));
+        if (!std::isfinite(descent.trials.back().objective))
+            throw Error(ErrorCode::solve_failed,
+                        "the search of Poisson's ratios met an objective that is not a number");
+        return descent.trials.back().objective;
+    } catch (...) {
+        descent.failure = std::current_exception();
+        nlopt_force_stop(descent.optimiser);
+        return std::numeric_limits<double>::infinity();
+    }
+}
+
+std::vector<RatioTrial> go_down(const RatioEvaluation& evaluate, const Eigen::VectorXd& start,
+                                const RatioSearchOptions& options, bool& converged) {
+    const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> optimiser(
+        nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(start.size())), nlopt_destroy);
+    if (!optimiser) throw Error(ErrorCode::out_of_memory, "NLopt could not make an optimiser");
+    Descent descent{evaluate, optimiser.get(), {}, nullptr};
+    nlopt_set_lower_bounds1(optimiser.get(), options.lowest);
+    nlopt_set_upper_bounds1(optimiser.get(), options.highest);
+    nlopt_set_initial_step1(optimiser.get(), options.first_step);
+    nlopt_set_xtol_abs1(optimiser.get(), options.tolerance);
+    nlopt_set_maxeval(optimiser.get(), options.max_evaluations);
+    nlopt_set_min_objective(optimiser.get(), evaluate_trial, &descent);
+    Eigen::VectorXd ratios = start;
+    double lowest = 0;
+    // However it ends, the trials made until then count.
+    const nlopt_result ending = nlopt_optimize(optimiser.get(), ratios.data(), &lowest);
+    converged = ending == NLOPT_XTOL_REACHED || ending == NLOPT_SUCCESS;
+    if (descent.failure) std::rethrow_exception(descent.failure);
+    if (descent.trials.empty())
+        throw Error(ErrorCode::internal, "NLopt tried no Poisson's ratio at all");
+    return descent.trials;
+}
+
+/// f(x) = f_0 + g . d + 1/2 d . H d with d = x - best, by weighted least squares.
+struct Paraboloid {
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;
+};
+
+/// The weight of a trial in the fits, from its rise above the lowest.
+double weight_of(double rise) { return 1.0 / (1.0 + rise / trusted_rise); }
+
+Paraboloid paraboloid(const std::vector<RatioTrial>& trials) {
+    const RatioTrial& best = lowest_of(trials);
+    const Eigen::Index n = best.ratios.size(), count = trials.size();
+    Eigen::MatrixXd terms(count, 1 + n + n * (n + 1) / 2);
+    Eigen::VectorXd values(count);
+    for (Eigen::Index t = 0; t < count; ++t) {
+        const RatioTrial& trial = trials[t];
+        const Eigen::VectorXd d = trial.ratios - best.ratios;
+        Eigen::Index term = 0;
+        terms(t, term++) = 1;
+        for (Eigen::Index i = 0; i < n; ++i) terms(t, term++) = d[i];
+        for (Eigen::Index i = 0; i < n; ++i)
+            for (Eigen::Index j = 0; j <= i; ++j)
+                terms(t, term++) = (i == j ? 0.5 : 1.0) * d[i] * d[j];
+        values[t] = trial.objective - best.objective;
+        const double weight = weight_of(values[t]);
+        terms.row(t) *= weight;
+        values[t] *= weight;
+    }
+    const Eigen::VectorXd found = terms.completeOrthogonalDecomposition().solve(values);
+    Paraboloid result{found.segment(1, n), Eigen::MatrixXd(n, n)};
+    Eigen::Index term = 1 + n;
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j <= i; ++j)
+            result.hessian(i, j) = result.hessian(j, i) = found[term++];
+    return result;
+}
+
+/// Inverse of the Hessian, whose curvature is taken to be at least `smallest`.
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& hessian, double smallest) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
+    const Eigen::VectorXd curvature = eigen.eigenvalues().cwiseMax(smallest);
+    return eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() *
+           eigen.eigenvectors().transpose();
+}
+
+/// Where slope d + 1/2 d^2 / variance reaches `profile_rise`, for d > 0.
+double reach(double slope, double variance) {
+    return variance * (std::sqrt(slope * slope + 2.0 * profile_rise / variance) - slope);
+}
+
+RatioLimit limit_of(double best, const RatioSearchOptions& options) {
+    constexpr double margin = 0.004;
+    if (best < options.lowest + margin) return RatioLimit::lowest;
+    return best > options.highest - margin ? RatioLimit::highest : RatioLimit::none;
+}
+
+/// Along one ratio, the others following the ridge. Only at a limit may the best ratio have a
+/// slope, that is one which goes up to the inside.
+std::array<double, 2> reach_of(const Paraboloid& fit, Eigen::Index k, RatioLimit limit,
+                               const RatioSearchOptions& options) {
+    const double range = options.highest - options.lowest;
+    const double variance = inverse_of(fit.hessian, 2.0 * profile_rise / (range * range))(k, k);
+    const double up = limit == RatioLimit::lowest ? std::max(0.0, fit.gradient[k]) : 0.0;
+    const double down = limit == RatioLimit::highest ? std::max(0.0, -fit.gradient[k]) : 0.0;
+    return {reach(down, variance), reach(up, variance)};
+}
+
+/// Of the best theta over the ratios, a plane through the best trial, by weighted least squares.
+Eigen::MatrixXd theta_slope(const std::vector<RatioTrial>& trials) {
+    const RatioTrial& best = lowest_of(trials);
+    const Eigen::Index count = trials.size();
+    Eigen::MatrixXd steps(count, best.ratios.size()), changes(count, best.theta.size());
+    for (Eigen::Index t = 0; t < count; ++t) {
+        const RatioTrial& trial = trials[t];
+        const double weight = weight_of(trial.objective - best.objective);
+        steps.row(t) = weight * (trial.ratios - best.ratios).transpose();
+        changes.row(t) = weight * (trial.theta - best.theta).transpose();
+    }
+    return steps.completeOrthogonalDecomposition().solve(changes).transpose();
+}
+
+}  // namespace
+
+RatioPosterior search_ratios(const RatioEvaluation& evaluate, const Eigen::VectorXd& start,
+                             const RatioSearchOptions& options) {
+    RatioPosterior posterior;
+    const std::vector<RatioTrial> trials =
+        go_down(evaluate, start.cwiseMax(options.lowest).cwiseMin(options.highest), options,
+                posterior.converged);
+    posterior.best = lowest_of(trials);
+    const Paraboloid fit = paraboloid(trials);
+    const double range = options.highest - options.lowest;
+    posterior.covariance = inverse_of(fit.hessian, 12.0 / (range * range));
+    for (Eigen::Index k = 0; k < start.size(); ++k) {
+        posterior.at_limit.push_back(limit_of(posterior.best.ratios[k], options));
+        posterior.reach.push_back(reach_of(fit, k, posterior.at_limit.back(), options));
+    }
+    posterior.theta_slope = theta_slope(trials);
+    posterior.evaluations = static_cast<int>(trials.size());
+    return posterior;
+}
+
+std::array<double, 2> with_ratio_model_error(const std::array<double, 2>& reach) {
+    return {std::hypot(reach[0], 1.96 * ratio_model_sd),
+            std::hypot(reach[1], 1.96 * ratio_model_sd)};
+}
+
+}  // namespace palpate

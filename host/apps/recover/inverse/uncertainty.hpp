@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "host/apps/recover/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/modulus_search.hpp"
+#include "host/apps/recover/inverse/records.hpp"
+
+namespace palpate {
+
+/// Half the 95 % quantile of chi squared with one degree of freedom: F rises by this at the ends of
+/// a 95 % profile interval.
+constexpr double profile_rise = 1.920729;
+
+/// Inverse of the curvature of F at its minimum; directions without curvature get the prior's
+/// variance.
+Eigen::MatrixXd laplace_covariance(const ModulusObjective& problem, const Eigen::VectorXd& theta);
+
+/// How far in ln E a profile reaches to either side.
+double profile_half_width(const Eigen::MatrixXd& covariance, Index unknown);
+
+/// F along ln E_k, the other moduli following the ridge (conditional mean of the Laplace
+/// posterior), over at least +-4 standard deviations.
+ProfileResult profile_of(const ModulusObjective& problem, const Eigen::VectorXd& theta,
+                         const Eigen::MatrixXd& covariance, Index unknown);
+
+/// Where the profile has risen by `profile_rise` on either side, kPa; the end of the profile where
+/// it never does.
+std::array<double, 2> profile_interval(const ProfileResult& profile, double best_kpa);
+
+/// Standard deviations of ln E [num unknown] that prior and `information` of the motion that is
+/// seen
+/// (`ModulusObjective::seen_information`) leave together. The curvature of F counts more: a wall
+/// that stands still, where its prior expects millimetres of sliding, makes stiff tissue likely.
+/// That is knowledge of the prior, not of the images.
+Eigen::VectorXd seen_sd_ln(const Eigen::MatrixXd& information,
+                           const std::vector<ModulusPrior>& priors);
+
+/// Of the observed distances over their noise with respect to ln E over its prior standard
+/// deviation, the wall motion projected out. Along a direction with singular value s the images
+/// narrow the prior by the factor 1 / sqrt(1 + s^2).
+struct ScaledSensitivity {
+    Eigen::VectorXd singular_values;  ///< [num unknown], largest first
+    Eigen::MatrixXd directions;       ///< [num unknown, num unknown], columns of unit length
+};
+ScaledSensitivity scaled_sensitivity(const Eigen::MatrixXd& information,
+                                     const std::vector<ModulusPrior>& priors);
+
+/// Whether the data without the prior exclude the softest and the stiffest modulus of `bounds`: the
+/// misfit there is larger by `profile_rise` than at theta, both with the other moduli held and with
+/// them along the ridge.
+std::array<bool, 2> excluded_ends(const ModulusObjective& problem, const Eigen::VectorXd& theta,
+                                  const Eigen::MatrixXd& covariance, Index unknown,
+                                  const ModulusBounds& bounds);
+
+/// Standard deviation of ln E that the model itself adds: linear tetrahedra of the default size and
+/// surfaces drawn from voxels.
+constexpr double model_sd_ln = 0.12;
+/// By which what the data tell is less certain than their noise says: the kernel of the contours
+/// and the motion along walls are not known. Where little is told, it is a difference of large
+/// effects, and what is wrong of them is as large as what is told. Of 76 phantoms with exact
+/// contours and 32 with drawn ones, of two generators of which one shares no code with palpate,
+/// the likelihood of the errors was largest with 1.4 (docs/studies.md has those it was tried on).
+constexpr double data_sd_factor = 1.4;
+/// As model_sd_ln, for each mm that the contours of one image are off: distances to a wrong contour
+/// say where along itself a wall has gone, and say it wrongly.
+constexpr double model_sd_ln_per_contour_mm = 1.3;
+constexpr double most_model_sd_ln = 0.8;
+
+/// Both that the model adds together; `contour_mm` is of both images together (NoiseLevel).
+double model_sd_ln_with(double contour_mm);
+
+/// A standard deviation of ln E from the data and a prior, as this says it, and as it is with
+/// the model's own uncertainty:
+///   s^2 = 1 / (i / data_sd_factor^2 + 1 / prior^2) + model^2,   i = 1 / sd^2 - 1 / prior^2.
+double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double contour_mm);
+
+/// The interval with a further, independent standard deviation of ln E added in quadrature on
+/// either side.
+std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa, double best_kpa,
+                                      double sd_ln);
+
+/// An interval that belongs to `sd_ln`, with the same: either side is stretched as the part of the
+/// standard deviation that comes from the data, then the model's is added in quadrature.
+std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa,
+                                       double sd_ln, double prior_sd_ln, double contour_mm = 0);
+
+}  // namespace palpate

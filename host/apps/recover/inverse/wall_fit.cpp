@@ -1,0 +1,253 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/inverse/wall_fit.hpp"
+
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+#include <utility>
+
+#include "solver/base/error.hpp"
+#include "solver/base/parallel.hpp"
+#include "solver/base/serial_blas.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t most_rows = 250;  ///< of one wall
+constexpr int most_trials = 80;
+// What is expected of motions, over the standard deviation and range in the settings: medians, and
+// the spread of logarithms.
+constexpr double normal_of_sd = 0.8, range_of_range = 0.75, tangential_median = 0.3;
+constexpr double normal_spread = 0.79, range_spread = 0.59,
+                 tangential_spread = 0.79;  // ln 2.2, 1.8
+constexpr double rigid_of_sd = 0.6;
+constexpr double slide_mm = 1.5;  // along a wall, however little its normals show
+constexpr double farthest = 3.0;  // from the medians, in these
+constexpr double least_range_mm = 10.0;
+constexpr double nugget = 1e-6;  // of the variance, so that long ranges can be factorised
+
+/// Motion along a wall over that along its normals. Distances hardly see a wall slide along itself,
+/// so that they cannot exclude it.
+double tangential_of(const WallMotionScale::Wall& wall, double fitted) {
+    return std::hypot(fitted, slide_mm / wall.normal_mm);
+}
+
+double matern32(double distance, double range) {
+    const double q = std::numbers::sqrt3 * distance / range;
+    return (1.0 + q) * std::exp(-q);
+}
+
+/// Of a wall about the middle of its nodes: shifts, and turns that move its nodes as far.
+Eigen::Matrix<double, Eigen::Dynamic, 6> rigid_motions(const std::vector<Vec3>& places,
+                                                       double rigid_mm) {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& place : places) middle += place / double(places.size());
+    double squares = 0;
+    for (const Vec3& place : places) squares += (place - middle).squaredNorm();
+    const double radius = std::sqrt(std::max(1e-12, squares / double(places.size())));
+    Eigen::Matrix<double, Eigen::Dynamic, 6> motions(3 * places.size(), 6);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        motions.middleRows<3>(3 * k).leftCols<3>() = rigid_mm * Mat3::Identity();
+        for (int axis = 0; axis < 3; ++axis)
+            motions.block<3, 1>(3 * k, 3 + axis) =
+                rigid_mm / radius * Vec3::Unit(axis).cross(places[k] - middle);
+    }
+    return motions;
+}
+
+std::vector<Vec3> places_of(const WallPrior& prior, std::size_t wall) {
+    std::vector<Vec3> places;
+    for (const Index node : prior.walls()[wall].nodes)
+        places.push_back(prior.expectation().places[node]);
+    return places;
+}
+
+/// The distances of one wall.
+struct Distances {
+    std::vector<LinearRow> rows;
+    std::vector<Vec3> normals;        ///< of the wall at each row
+    Eigen::VectorXd along;            ///< the row's normal along the wall's
+    Eigen::MatrixXd noise, apart_mm;  ///< noise: with the wall's motion as a body
+    Eigen::VectorXd wanted;
+};
+
+std::vector<Distances> distances_of(const WallPrior& prior, const std::vector<LinearRow>& rows,
+                                    const Eigen::VectorXd& driven, const FramePrior& frame) {
+    const WallExpectation& expected = prior.expectation();
+    std::vector<Index> wall_of(prior.num_driven(), -1), place_of(prior.num_driven(), -1);
+    for (std::size_t w = 0; w < prior.walls().size(); ++w) {
+        const std::vector<Index>& nodes = prior.walls()[w].nodes;
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            wall_of[nodes[k]] = static_cast<Index>(w);
+            place_of[nodes[k]] = static_cast<Index>(k);
+        }
+    }
+    std::vector<std::vector<LinearRow>> all(prior.walls().size());
+    for (const LinearRow& row : rows)
+        if (row.on_driven) all[wall_of[row.position]].push_back(row);
+    std::vector<Distances> walls(all.size());
+    for (std::size_t w = 0; w < all.size(); ++w) {
+        const std::size_t step = (all[w].size() + most_rows - 1) / most_rows;
+        for (std::size_t k = 0; k < all[w].size(); k += step) walls[w].rows.push_back(all[w][k]);
+        Distances& wall = walls[w];
+        const Index n = static_cast<Index>(wall.rows.size());
+        wall.along.resize(n);
+        wall.wanted.resize(n);
+        wall.noise.resize(n, n);
+        wall.apart_mm.resize(n, n);
+        for (Index j = 0; j < n; ++j) {
+            const LinearRow& row = wall.rows[j];
+            wall.normals.push_back(expected.normals[row.position]);
+            wall.along[j] = row.normal.dot(wall.normals[j]);
+            wall.wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
+                             frame.frame.row(row.place, row.normal).dot(frame.motion) -
+                             row.residual_mm;
+            for (Index i = j; i < n; ++i) {
+                wall.apart_mm(i, j) = (wall.rows[i].place - row.place).norm();
+                wall.noise(i, j) =
+                    i == j ? noise_variance(row) : noise_covariance(wall.rows[i], row);
+            }
+        }
+        if (n == 0) continue;
+        const auto motions =
+            rigid_motions(places_of(prior, w), rigid_of_sd * prior.expectation().sd_mm);
+        Eigen::MatrixXd seen(n, 6);
+        for (Index j = 0; j < n; ++j)
+            seen.row(j) = wall.rows[j].normal.transpose() *
+                          motions.middleRows<3>(3 * place_of[wall.rows[j].position]);
+        wall.noise += seen * seen.transpose();
+    }
+    return walls;
+}
+
+/// -L of one wall.
+double cost_of(const Distances& wall, const WallMotionScale::Wall& scale, double tangential) {
+    const Index n = static_cast<Index>(wall.rows.size());
+    if (n == 0) return 0;
+    Eigen::MatrixXd covariance = wall.noise;
+    const double variance = scale.normal_mm * scale.normal_mm;
+    for (Index j = 0; j < n; ++j) {
+        const Vec3 across_j = wall.rows[j].normal - wall.along[j] * wall.normals[j];
+        for (Index i = j; i < n; ++i) {
+            const Vec3 across_i = wall.rows[i].normal - wall.along[i] * wall.normals[i];
+            covariance(i, j) +=
+                variance * matern32(wall.apart_mm(i, j), scale.range_mm) *
+                (wall.along[i] * wall.along[j] + tangential * tangential * across_i.dot(across_j));
+        }
+    }
+    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+    Eigen::VectorXd whitened = wall.wanted;
+    factor.matrixL().solveInPlace(whitened);
+    return 0.5 * whitened.squaredNorm() +
+           Eigen::VectorXd(factor.matrixLLT().diagonal()).array().log().sum();
+}
+
+/// What BOBYQA sees: logarithms over their medians, in spreads; ranges, then normal parts, then the
+/// tangential one.
+class Evidence {
+public:
+    Evidence(const WallPrior& prior, const std::vector<LinearRow>& rows,
+             const Eigen::VectorXd& driven, const FramePrior& frame)
+        : expected_(prior.expectation()), walls_(distances_of(prior, rows, driven, frame)) {}
+
+    Index num_unknown() const { return static_cast<Index>(2 * walls_.size() + 1); }
+    WallMotionScale scale_at(const double* x) const {
+        WallMotionScale scale;
+        const std::size_t n = walls_.size();
+        for (std::size_t w = 0; w < n; ++w)
+            scale.walls.push_back(
+                {normal_of_sd * expected_.sd_mm * std::exp(normal_spread * x[n + w]),
+                 std::max(least_range_mm,
+                          range_of_range * expected_.range_mm * std::exp(range_spread * x[w]))});
+        scale.rigid_mm = rigid_of_sd * expected_.sd_mm;
+        scale.tangential = tangential_median * std::exp(tangential_spread * x[2 * n]);
+        return scale;
+    }
+    double cost(const double* x) const {
+        const WallMotionScale scale = scale_at(x);
+        std::vector<double> costs(walls_.size());
+        const SerialBlas serial;
+        parallel_ranges(static_cast<Index>(walls_.size()), 1, [&](Index begin, Index end) {
+            for (Index w = begin; w < end; ++w)
+                costs[w] = cost_of(walls_[w], scale.walls[w],
+                                   tangential_of(scale.walls[w], scale.tangential));
+        });
+        double sum = 0;
+        for (const double one : costs) sum += one;
+        for (Index k = 0; k < num_unknown(); ++k) sum += 0.5 * x[k] * x[k];
+        return std::isfinite(sum) ? sum : 1e30;
+    }
+
+private:
+    const WallExpectation& expected_;
+    std::vector<Distances> walls_;
+};
+
+double cost_at(unsigned, const double* x, double*, void* evidence) {
+    return static_cast<const Evidence*>(evidence)->cost(x);
+}
+
+}  // namespace
+
+WallMotionScale expected_scale(const WallPrior& prior) {
+    const WallExpectation& expected = prior.expectation();
+    WallMotionScale scale;
+    scale.walls.assign(prior.walls().size(),
+                       {normal_of_sd * expected.sd_mm, range_of_range * expected.range_mm});
+    scale.tangential = tangential_median;
+    scale.rigid_mm = rigid_of_sd * expected.sd_mm;
+    return scale;
+}
+
+WallMotionScale fit_walls(const WallPrior& prior, const std::vector<LinearRow>& rows,
+                          const Eigen::VectorXd& driven, const FramePrior& frame) {
+    Evidence evidence(prior, rows, driven, frame);
+    std::vector<double> x(evidence.num_unknown(), 0.0);
+    const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> optimiser(
+        nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(x.size())), nlopt_destroy);
+    if (!optimiser) throw Error(ErrorCode::out_of_memory, "NLopt could not make an optimiser");
+    nlopt_set_lower_bounds1(optimiser.get(), -farthest);
+    nlopt_set_upper_bounds1(optimiser.get(), farthest);
+    nlopt_set_initial_step1(optimiser.get(), 0.7);
+    nlopt_set_xtol_abs1(optimiser.get(), 0.02);
+    nlopt_set_maxeval(optimiser.get(), most_trials);
+    nlopt_set_min_objective(optimiser.get(), cost_at, &evidence);
+    double lowest = 0;
+    nlopt_optimize(optimiser.get(), x.data(), &lowest);  // however it ends, its best point counts
+    return evidence.scale_at(x.data());
+}
+
+std::shared_ptr<const WallPrior> walls_of(const WallPrior& prior, const WallMotionScale& scale) {
+    const WallExpectation& expected = prior.expectation();
+    std::vector<WallPrior::Wall> walls;
+    for (std::size_t w = 0; w < prior.walls().size(); ++w) {
+        const std::vector<Index>& nodes = prior.walls()[w].nodes;
+        const Index n = static_cast<Index>(nodes.size());
+        WallPrior::Wall wall{nodes,
+                             Eigen::MatrixXd(n, n),
+                             {},
+                             tangential_of(scale.walls[w], scale.tangential),
+                             rigid_motions(places_of(prior, w), scale.rigid_mm)};
+        wall.normals.resize(n, 3);
+        const double variance = std::pow(scale.walls[w].normal_mm, 2);
+        for (Index j = 0; j < n; ++j) {
+            wall.normals.row(j) = expected.normals[nodes[j]];
+            wall.covariance(j, j) = variance * (1.0 + nugget);
+            for (Index i = j + 1; i < n; ++i)
+                wall.covariance(i, j) = wall.covariance(j, i) =
+                    variance *
+                    matern32((expected.places[nodes[i]] - expected.places[nodes[j]]).norm(),
+                             scale.walls[w].range_mm);
+        }
+        walls.push_back(std::move(wall));
+    }
+    return std::make_shared<WallPrior>(prior, std::move(walls));
+}
+
+}  // namespace palpate

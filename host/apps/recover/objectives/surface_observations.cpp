@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/objectives/surface_observations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "host/geometry/surfaces/surface.hpp"
+
+namespace palpate {
+namespace {
+
+std::map<Index, Index> positions(const std::vector<Index>& nodes) {
+    std::map<Index, Index> position;
+    for (std::size_t k = 0; k < nodes.size(); ++k) position[nodes[k]] = static_cast<Index>(k);
+    return position;
+}
+
+}  // namespace
+
+SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, ObservedShapes shapes,
+                                         const std::vector<std::uint8_t>& node_is_seen,
+                                         const ObservationOptions& options)
+    : terraces_(options.voxels, options.terrace_range_spacings), shapes_(std::move(shapes)) {
+    const auto driven = positions(recovery.driven);
+    const auto observed = positions(recovery.observed);
+    std::vector<int> surfaces_at(recovery.model.mesh.nodes.size(), 0);
+    for (const auto& surface : recovery.surfaces) {
+        for (const Index node : surface.node_of) ++surfaces_at[node];
+    }
+    for (std::size_t s = 0; s < recovery.surfaces.size(); ++s) {
+        const auto& surface = recovery.surfaces[s];
+        if (!shapes_.target[s]) continue;
+        const auto area = vertex_areas(surface.surface);
+        for (std::size_t v = 0; v < surface.node_of.size(); ++v) {
+            const Index node = surface.node_of[v];
+            const auto as_driven = driven.find(node);
+            const auto as_observed = observed.find(node);
+            const bool moves = as_driven != driven.end() || as_observed != observed.end();
+            if (!moves || !node_is_seen[node] || area[v] <= 0) continue;
+            Observation row;
+            row.surface = static_cast<Index>(s);
+            row.node = node;
+            row.on_driven = as_driven != driven.end();
+            row.position = row.on_driven ? as_driven->second : as_observed->second;
+            row.place = surface.surface.vertices[v];
+            const ShapeDistance own = shapes_.reference[s]->measure(row.place, Vec3::Zero());
+            own_offset_.push_back(own.mm);
+            facing_.push_back(own.normal);
+            // Nodes that share a voxel share its information, and so do the two organs that meet at
+            // one interface node.
+            const double share =
+                std::min(1.0, area[v] / std::max(options.independent_area_mm2,
+                                                 shapes_.target[s]->measured_area_mm2()));
+            row.independent_mm = options.noise_mm * std::sqrt(surfaces_at[node] / share);
+            row.shared_factor = std::sqrt(surfaces_at[node]);
+            rows_.push_back(row);
+        }
+    }
+    frame_.points = options.aligned;
+    frame_.independent_mm = options.noise_mm;
+    for (const AlignedPoint& point : frame_.points) {
+        frame_.frame.centre += point.place / double(frame_.points.size());
+        frame_.terraces.push_back(
+            terraces_.of_distance(point.place, point.normal, point.place, point.normal));
+    }
+}
+
+ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
+                                            const Eigen::VectorXd& observed,
+                                            const FrameMotion& frame) const {
+    ObservedState state;
+    state.residual_mm.resize(num_rows());
+    state.normal.resize(num_rows(), 3);
+    state.smooth_normal.resize(num_rows(), 3);
+    state.place.resize(num_rows(), 3);
+    for (Index k = 0; k < num_rows(); ++k) {
+        const auto& row = rows_[k];
+        Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
+        u += frame_.frame.displacement(frame, row.place);
+        state.place.row(k) = row.place + u;
+        const ShapeDistance target =
+            shapes_.target[row.surface]->measure(row.place + u, facing_[k]);
+        state.residual_mm[k] = target.mm - own_offset_[k];
+        state.normal.row(k) = target.normal;
+        state.smooth_normal.row(k) = target.smooth_normal;
+        state.seen.push_back(target.is_seen);
+    }
+    return state;
+}
+
+std::vector<Terraces> SurfaceObservations::terraces(const ObservedState& state) const {
+    std::vector<Terraces> all;
+    for (Index k = 0; k < num_rows(); ++k) {
+        all.push_back(terraces_.of_distance(rows_[k].place, facing_[k], state.place.row(k),
+                                            state.normal.row(k)));
+        all.back().waves *= rows_[k].shared_factor;
+    }
+    return all;
+}
+
+}  // namespace palpate

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "host/apps/recover/modelling/build_model.hpp"
+#include "host/apps/recover/objectives/target_frame.hpp"
+#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "host/geometry/surfaces/target_shape.hpp"
+
+namespace palpate {
+
+/// What a surface node is compared with: the same organ in both states, both in the reference frame
+/// (the target aligned), in the order of `RecoveryModel::surfaces`. An organ without a target
+/// (null) carries no data.
+struct ObservedShapes {
+    std::vector<std::shared_ptr<const TargetShape>> reference;
+    std::vector<std::shared_ptr<const TargetShape>> target;
+};
+
+/// Noise of the distance between two voxelised surfaces.
+struct ObservationOptions {
+    double noise_mm = 0.15;             ///< sigma_n: what is independent from point to point
+    double independent_area_mm2 = 2.0;  ///< surface points closer together share that
+    /// Of the reference and, if it is a label volume, the target.
+    std::vector<VoxelPlanes> voxels;
+    /// The correlation along terraces falls to 1/e at this distance, in spacings of their planes.
+    double terrace_range_spacings = 4.0;
+    /// What the target was aligned by; empty: its frame is taken to be exact.
+    std::vector<AlignedPoint> aligned;
+};
+
+/// The data term of one surface node: r = d_target(x + u) - d_reference(x), the distance to the
+/// target surface along its normal (method.md section 3). Subtracting the node's own offset from
+/// the reference surface removes what chords and volume correction added to the mesh.
+struct Observation {
+    Index surface = 0;  ///< position in `RecoveryModel::surfaces`
+    Index node = 0;
+    Index position = 0;  ///< in `RecoveryModel::driven` or `observed`
+    bool on_driven = false;
+    double independent_mm = 0;  ///< standard deviation, inflated where nodes share voxels
+    double shared_factor = 1;   ///< on what organs share at a node of both: root of their number
+    Vec3 place = Vec3::Zero();  ///< reference position of the node, mm
+};
+
+/// Values and normals of all observations at one state.
+struct ObservedState {
+    /// [num_observations]; where nothing is seen: to the shape as it would go on, not to be fitted.
+    Eigen::VectorXd residual_mm;
+    using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+    Vectors normal;                  ///< gradient of the residual with respect to u
+    Vectors smooth_normal;           ///< of the shape (ShapeDistance), for linearised problems
+    Vectors place;                   ///< where x + u is seen, mm
+    std::vector<std::uint8_t> seen;  ///< [num_observations] 0: the target says nothing there
+};
+
+class SurfaceObservations {
+public:
+    /// Observations of every vertex of every observed surface whose node may move. Nodes outside
+    /// `target_field`'s box (in the aligned frame) carry no data: they were not seen.
+    SurfaceObservations(const RecoveryModel& recovery, ObservedShapes shapes,
+                        const std::vector<std::uint8_t>& node_is_seen,
+                        const ObservationOptions& options);
+
+    const std::vector<Observation>& rows() const { return rows_; }
+    Index num_rows() const { return static_cast<Index>(rows_.size()); }
+    /// The noise that each row shares with its neighbours, for surfaces where `state` has them.
+    std::vector<Terraces> terraces(const ObservedState& state) const;
+    const VoxelTerraces& voxel_terraces() const { return terraces_; }
+
+    const FrameEvidence& frame_evidence() const { return frame_; }
+
+    /// `driven` [3 num_driven] and `observed` [3 num_observed]: displacement in mm. `frame`: where
+    /// they are seen in a target whose alignment is that far off.
+    ObservedState evaluate(const Eigen::VectorXd& driven, const Eigen::VectorXd& observed,
+                           const FrameMotion& frame = FrameMotion::Zero()) const;
+
+private:
+    std::vector<Observation> rows_;
+    VoxelTerraces terraces_;
+    FrameEvidence frame_;
+    std::vector<double> own_offset_;  ///< d_reference(x) of each row
+    ObservedShapes shapes_;
+    std::vector<Vec3> facing_;  ///< outward normal of each row's surface at rest
+};
+
+}  // namespace palpate

@@ -1,0 +1,320 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/finite_strain.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/pipeline/recover_options.hpp"
+#include "solver/base/error.hpp"
+#include "solver/model/node_rows.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double least_modulus_change = 1e-3;  // of ln E
+/// Factor on the moduli within which a tangent is trusted: far from the moduli for which its state
+/// is in equilibrium, it need not be stable.
+constexpr double widest_reach = 3.0, narrowest_reach = 1.2;
+/// Root mean square over all components by which a state may move before its tangents are taken
+/// again: a hundredth of the size of the organs.
+constexpr double near_mm = 0.3;
+/// What a response model may leave out, as a part of the least noise.
+constexpr double left_out_of_noise = 0.3, most_left_out_mm = 0.1;
+/// A step of the search costs a fiftieth of a round, so that each search goes further than one
+/// alone.
+constexpr double finer_tolerance = 0.2;
+/// Steps of the load that are tried on the way; the end of the search goes further.
+constexpr double smallest_step = 0.02;
+
+/// [3 nodes] of a displacement [3 num_nodes].
+/// Root mean square of what is independent from point to point, as it is assumed at first.
+double mean_noise_mm(const SurfaceObservations& observations) {
+    double sum = 0;
+    for (const auto& row : observations.rows()) sum += row.independent_mm * row.independent_mm;
+    return std::sqrt(sum / std::max<Index>(1, observations.num_rows()));
+}
+
+double root_mean_square(const Eigen::VectorXd& values) {
+    return values.norm() / std::sqrt(std::max<double>(1, values.size()));
+}
+
+class Rounds {
+public:
+    Rounds(const Mechanics& rest, TissueLaw law, const SurfaceObservations& observations,
+           const FiniteStrainOptions& options, const ProgressSink& progress)
+        : rest_(rest),
+          law_(law),
+          observations_(observations),
+          options_(options),
+          progress_(progress),
+          model_(rest.recovery.model),
+          noise_mm_(mean_noise_mm(observations)) {}
+
+    FiniteStrainEstimate run();
+
+private:
+    void find_equilibrium();
+    Equilibrium equilibrium_from(const Eigen::VectorXd& start) const;
+    void linearise();
+    void take_tangents();
+    void move_tangents();
+    LinearisationPoint point() const;
+    ResponseModel respond(double tolerance_mm);
+    void search();
+    void keep_records();
+    void judge();
+    void close(bool is_done);
+    bool is_settled() const;
+    void require_equilibrium() const;
+    void report_round() const;
+    std::vector<Index> unknown() const;
+
+    const Mechanics& rest_;
+    TissueLaw law_;
+    const SurfaceObservations& observations_;
+    const FiniteStrainOptions& options_;
+    const ProgressSink& progress_;
+    Model model_;  ///< with the moduli of the estimate
+    FiniteStrainEstimate found_;
+    Eigen::VectorXd last_theta_;
+    std::vector<IterationRecord> records_;  ///< of all searches
+    std::optional<ReducedModel> reduced_;   ///< of the last tangents
+    Eigen::VectorXd tangent_at_;            ///< where they were taken, [3 num_nodes] mm
+    double tolerance_mm_ = 0;               ///< of the last response model
+    CondensationSummary condensation_;
+    double reach_ = widest_reach;
+    double noise_mm_;
+    double least_noise_mm_ = 0;  ///< of the round
+};
+
+std::vector<Index> Rounds::unknown() const {
+    std::vector<Index> regions;
+    for (const auto& prior : rest_.priors) regions.push_back(prior.region);
+    return regions;
+}
+
+Equilibrium Rounds::equilibrium_from(const Eigen::VectorXd& start) const {
+    SolidLoads loads{Eigen::VectorXd::Zero(model_.num_dofs()),
+                     Eigen::VectorXd::Zero(model_.num_dofs())};
+    const auto& driven = rest_.recovery.driven;
+    for (std::size_t k = 0; k < driven.size(); ++k)
+        loads.displacement.segment<3>(3 * driven[k]) = found_.estimate.driven.segment<3>(3 * k);
+    EquilibriumOptions solve;
+    solve.linear.direct_library = options_.solver.direct_library;
+    solve.smallest_step = smallest_step;
+    return solve_equilibrium(*found_.solid, loads, solve, {start, {}}, progress_);
+}
+
+/// At the estimate, or as near to it as one is found.
+void Rounds::find_equilibrium() {
+    for (std::size_t k = 0; k < rest_.priors.size(); ++k)
+        model_.materials[rest_.priors[k].region].stiffness_kpa =
+            std::exp(found_.estimate.theta[static_cast<Index>(k)]);
+    found_.solid = std::make_shared<SolidAssembly>(solid_model_of(model_, law_));
+    Equilibrium state = equilibrium_from(found_.state.displacement);
+    if (!state.converged && found_.state.displacement.size() > 0) state = equilibrium_from({});
+    found_.state = std::move(state);
+    const Eigen::VectorXd observed = at_nodes(found_.state.displacement, rest_.recovery.observed);
+    found_.gap_mm = (observed - found_.estimate.observed).norm() /
+                    std::sqrt(std::max<double>(1, rest_.recovery.observed.size()));
+}
+
+/// No round trusts the surfaces more than its mechanics: what these missed in the last round counts
+/// as noise.
+void Rounds::linearise() {
+    least_noise_mm_ = noise_mm_ * std::clamp(found_.gap_mm / noise_mm_,
+                                             options_.search.smallest_noise_scale, 1.0);
+    const double tolerance_mm = std::clamp(left_out_of_noise * least_noise_mm_,
+                                           options_.response.tolerance_mm, most_left_out_mm);
+    const bool is_near =
+        reduced_ && root_mean_square(found_.state.displacement - tangent_at_) < near_mm;
+    is_near ? move_tangents() : take_tangents();
+    if (is_near && tolerance_mm > 0.5 * tolerance_mm_) {
+        found_.response = std::make_shared<ResponseModel>(found_.response->moved_with(*reduced_));
+    } else {
+        found_.response = std::make_shared<ResponseModel>(respond(tolerance_mm));
+        tolerance_mm_ = tolerance_mm;
+    }
+    ++found_.rounds;
+}
+
+LinearisationPoint Rounds::point() const {
+    const Eigen::VectorXd& u = found_.state.displacement;
+    return {at_nodes(u, rest_.recovery.driven), at_nodes(u, rest_.recovery.observed)};
+}
+
+void Rounds::take_tangents() {
+    const RecoveryModel& recovery = rest_.recovery;
+    tangent_at_ = found_.state.displacement;
+    reduced_.emplace(condense_at({name_of(law_), tangent_at_}, model_, recovery.observed,
+                                 recovery.driven, options_.solver, &condensation_),
+                     static_cast<Index>(recovery.observed.size()),
+                     static_cast<Index>(recovery.driven.size()), moduli_of(model_), point());
+    reach_ = widest_reach;
+}
+
+/// Near the end the last tangents do as well as new ones, about the new equilibrium.
+void Rounds::move_tangents() {
+    const RecoveryModel& recovery = rest_.recovery;
+    reduced_->move_to(point(), region_forces({name_of(law_), found_.state.displacement}, model_,
+                                             recovery.observed, recovery.driven));
+}
+
+/// With the widest reach in which the linearised body is stable.
+ResponseModel Rounds::respond(double tolerance_mm) {
+    ResponseOptions response = options_.response;
+    response.tolerance_mm = tolerance_mm;
+    for (response.reach = reach_;; response.reach = reach_ = std::sqrt(reach_)) {
+        try {
+            return ResponseModel::compressed(*reduced_, rest_.walls, unknown(), response,
+                                             progress_);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::solve_failed || reach_ < narrowest_reach) throw;
+        }
+    }
+}
+
+void Rounds::search() {
+    last_theta_ = found_.estimate.theta;
+    MapOptions search = options_.search;
+    search.reach = reach_;
+    search.smallest_noise_scale = least_noise_mm_ / noise_mm_;
+    search.modulus_tolerance_sd *= finer_tolerance;
+    search.objective_tolerance_per_row *= finer_tolerance;
+    found_.estimate = map_estimate_near(found_.estimate, *found_.response, rest_.walls,
+                                        observations_, rest_.priors, search, progress_);
+    keep_records();
+}
+
+void Rounds::keep_records() {
+    for (IterationRecord record : found_.estimate.records) {
+        record.iteration = static_cast<int>(records_.size()) + 1;
+        records_.push_back(std::move(record));
+    }
+}
+
+bool Rounds::is_settled() const {
+    if (!found_.state.converged || found_.gap_mm > options_.displacement_tolerance_mm) return false;
+    for (Index k = 0; k < last_theta_.size(); ++k) {
+        const double sd =
+            std::hypot(std::sqrt(found_.estimate.covariance(k, k)), options_.model_sd_ln);
+        const double allowed = std::max(least_modulus_change, options_.modulus_tolerance_sd * sd);
+        if (std::abs(found_.estimate.theta[k] - last_theta_[k]) > allowed) return false;
+    }
+    return true;
+}
+
+/// What is said of moduli far from the estimated ones. There the tangent says nothing: linear
+/// elasticity does, shifted such that it agrees at the estimate.
+void Rounds::judge() {
+    MapEstimate& estimate = found_.estimate;
+    ResponseModel::Parts parts = rest_.response.parts();
+    const auto kpa = rest_.response.moduli(unknown(), estimate.theta);
+    parts.point.driven.setZero(estimate.driven.size());
+    parts.point.observed =
+        estimate.observed - rest_.response.observed_displacement(kpa, estimate.driven);
+    const WallPrior& walls = estimate.walls ? *estimate.walls : rest_.walls;
+    const ResponseModel shifted = ResponseModel(std::move(parts)).with_walls(walls);
+    FramePrior frame = estimate.counted->frame();
+    frame.motion = estimate.frame;
+    const LinearisedProblem problem(shifted, walls,
+                                    estimate.counted->linear_rows(observations_.evaluate(
+                                        estimate.driven, estimate.observed, estimate.frame)),
+                                    estimate.driven, estimate.observed, rest_.priors, frame);
+    MapEstimate far = estimate;
+    take_uncertainty(problem, options_.search, far, progress_);
+    estimate.excluded_ends = far.excluded_ends;
+    for (Index k = 0; k < estimate.theta.size(); ++k) {
+        if (profile_half_width(estimate.covariance, k) <= std::log(reach_)) continue;
+        far.posterior = estimate.posterior;
+        estimate = std::move(far);
+        return;
+    }
+}
+
+void Rounds::close(bool is_done) {
+    Termination& termination = found_.estimate.termination;
+    found_.estimate.records = std::move(records_);
+    termination.iterations = static_cast<int>(found_.estimate.records.size());
+    termination.reason =
+        is_done
+            ? fmt::format("{} rounds of linearisation, then {}", found_.rounds, termination.reason)
+            : fmt::format(
+                  "{} rounds of linearisation were not enough: the last one still "
+                  "moved the observed surfaces by {:.2g} mm",
+                  found_.rounds, found_.gap_mm);
+    termination.converged = is_done && termination.converged;
+    found_.solver = condensation_.solver;
+    found_.solver.reason = "Newton's method at large deformation";
+}
+
+void Rounds::require_equilibrium() const {
+    if (found_.state.converged) return;
+    throw Error(ErrorCode::solve_failed,
+                fmt::format("the {} body has no equilibrium with the walls where the search puts "
+                            "them ({}); try --material linear, or another number of --nodes",
+                            name_of(law_), found_.state.message));
+}
+
+FiniteStrainEstimate Rounds::run() {
+    MapOptions first = options_.search;
+    first.smallest_noise_scale = std::max(1.0, first.smallest_noise_scale);
+    found_.estimate =
+        map_estimate(rest_.response, rest_.walls, observations_, rest_.priors, first, progress_);
+    found_.first = found_.estimate;
+    found_.first.posterior.reset();
+    keep_records();
+    bool is_done = false;
+    for (find_equilibrium(); !is_done && found_.rounds < options_.max_rounds;
+         is_done = is_settled()) {
+        linearise();
+        search();
+        find_equilibrium();
+        report_round();
+    }
+    require_equilibrium();
+    judge();
+    close(is_done);
+    return std::move(found_);
+}
+
+void Rounds::report_round() const {
+    std::string text;
+    for (const double theta : found_.estimate.theta)
+        text += fmt::format(" {:.4g} kPa,", std::exp(theta));
+    report_progress(
+        progress_, "searching", -1,
+        fmt::format("round {}:{} {:.2g} mm from equilibrium", found_.rounds, text, found_.gap_mm));
+}
+
+[[noreturn]] void refuse(const std::string& option, TissueLaw law, const std::string& why) {
+    throw Error(ErrorCode::invalid_argument,
+                option + " does not go with --material " + name_of(law) + ": " + why);
+}
+
+}  // namespace
+
+FiniteStrainEstimate search_finite_strain(const Mechanics& rest, TissueLaw law,
+                                          const SurfaceObservations& observations,
+                                          const FiniteStrainOptions& options,
+                                          const ProgressSink& progress) {
+    return Rounds(rest, law, observations, options, progress).run();
+}
+
+void check_tissue_law(const RecoverOptions& options) {
+    if (options.law == TissueLaw::linear) return;
+    if (options.method == SearchMethod::nested_lbfgs)
+        refuse("--method nested-lbfgs", options.law,
+               "the published method is linear here; use --method map");
+    if (options.settings.has_unknown_poisson_ratio())
+        refuse("poisson_ratio = \"unknown\"", options.law,
+               "its search condenses tissue at rest; give the ratios as numbers");
+}
+
+}  // namespace palpate

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/full_solver.hpp"
+#include "solver/linear/make_linear_solver.hpp"
+
+#include <utility>
+
+namespace palpate {
+
+FullSolver::FullSolver(Model model, LinearSolverOptions options, Index num_columns) {
+    options.expected_columns = num_columns;
+    set_up_ =
+        std::async(std::launch::async, [model = std::move(model), options = std::move(options)] {
+            return make_linear_solver(model, options);
+        });
+}
+
+LinearSolver& FullSolver::at(const std::vector<double>& kpa) {
+    if (!solver_) solver_ = set_up_.get();
+    solver_->set_stiffness(kpa);
+    return *solver_;
+}
+
+}  // namespace palpate

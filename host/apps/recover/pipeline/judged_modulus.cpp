@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/judged_modulus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/apps/recover/inverse/identifiability.hpp"
+#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/modelling/regions.hpp"
+
+namespace palpate {
+namespace {
+
+/// The evidence on unknown `k`, its strongest partner among the other unknown moduli included.
+ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
+    const Index row = static_cast<Index>(k);
+    const Eigen::MatrixXd& covariance = estimate.covariance;
+    const double best_kpa = std::exp(estimate.theta[row]);
+    ModulusEvidence evidence;
+    const double contour_mm = estimate.noise_level.contour_mm;
+    const double sd_ln = std::sqrt(covariance(row, row));
+    evidence.prior_sd_ln = estimate.unknown[k].sd_ln;
+    evidence.interval_kpa = with_model_error(estimate.interval_kpa[k], best_kpa, sd_ln,
+                                             evidence.prior_sd_ln, contour_mm);
+    evidence.sd_ln = sd_ln_with_model_error(sd_ln, evidence.prior_sd_ln, contour_mm);
+    evidence.seen_sd_ln = estimate.seen_sd_ln[row];
+    evidence.excludes_soft = estimate.excluded_ends[k][0];
+    evidence.excludes_stiff = estimate.excluded_ends[k][1];
+    for (Index other = 0; other < covariance.cols(); ++other) {
+        const double correlation =
+            covariance(row, other) / std::sqrt(covariance(row, row) * covariance(other, other));
+        if (other == row || std::abs(correlation) <= std::abs(evidence.partner_correlation))
+            continue;
+        evidence.partner_correlation = correlation;
+        evidence.partner = name_of_region(settings, estimate.unknown[other].region);
+    }
+    return evidence;
+}
+
+/// Ends that the images do not give are the prior's.
+std::array<double, 2> honest_interval(const ModulusEvidence& evidence, const Verdict& verdict,
+                                      double median_kpa) {
+    auto ends = with_prior_ends(evidence.interval_kpa, median_kpa, evidence.prior_sd_ln);
+    if (verdict.verdict == "not identifiable") return ends;
+    if (evidence.excludes_soft) ends[0] = evidence.interval_kpa[0];
+    if (evidence.excludes_stiff) ends[1] = evidence.interval_kpa[1];
+    return ends;
+}
+
+void tell(const Verdict& verdict, RegionResult& result) {
+    result.verdict = verdict.verdict;
+    result.reason = verdict.reason;
+}
+
+}  // namespace
+
+bool has_known_tissue(const Settings& settings) {
+    if (settings.background) return true;
+    return std::any_of(settings.organs.begin(), settings.organs.end(), [](const auto& organ) {
+        return !organ.hollow && organ.stiffness_kpa.has_value();
+    });
+}
+
+void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& settings,
+                   RegionResult& result) {
+    if (estimate.interval_kpa.empty()) {
+        result.sd_ln = std::numeric_limits<double>::quiet_NaN();
+        result.interval_kpa = {result.sd_ln, result.sd_ln};
+        return tell(not_judged("nested-lbfgs"), result);
+    }
+    const ModulusEvidence evidence = evidence_of(estimate, k, settings);
+    const Verdict verdict = judge(evidence);
+    result.interval_kpa = honest_interval(evidence, verdict, std::exp(estimate.unknown[k].mean_ln));
+    result.sd_ln = verdict.verdict == "not identifiable"
+                       ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
+                       : evidence.sd_ln;
+    tell(verdict, result);
+}
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include "host/apps/recover/inverse/map_estimate.hpp"
+#include "host/apps/recover/modelling/settings.hpp"
+#include "host/apps/recover/result/recovery_result.hpp"
+
+namespace palpate {
+
+/// Whether any modulus is given: others are found relative to it.
+bool has_known_tissue(const Settings& settings);
+
+/// Interval, standard deviation and verdict of the modulus of unknown `k`, with what the model
+/// itself adds, into `result`. Not judged where the search gave no interval.
+void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& settings,
+                   RegionResult& result);
+
+}  // namespace palpate

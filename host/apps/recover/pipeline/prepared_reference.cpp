@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/prepared_reference.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <future>
+#include <utility>
+
+#include "host/apps/recover/modelling/regions.hpp"
+#include "host/geometry/meshing/mesh_files.hpp"
+
+namespace palpate {
+namespace {
+
+RegionMesh mesh_of(const RecoverOptions& options, const ReferenceState& reference,
+                   MesherSummary& summary, const ProgressSink& progress) {
+    const Settings& settings = options.settings;
+    if (options.mesh.empty()) {
+        MesherOptions mesher = options.mesher;
+        mesher.edge_length_mm = reference.edge_length_mm;
+        mesher.outer_edge_length_mm = 4.0 * reference.edge_length_mm;
+        return make_mesh(reference.surface, reference.state.regions, reference.state.field,
+                         hollow_regions(settings), mesher, &summary, progress);
+    }
+    const Mesh mesh =
+        with_region_numbers(read_vtu(options.mesh), settings, options.mesh.filename().string());
+    summary.mesher = "ready mesh";
+    summary.quality = mesh_quality(mesh, settings.num_regions());
+    return region_mesh_from_tets(mesh, reference.state.field, settings);
+}
+
+}  // namespace
+
+PreparedReference prepare_reference(ReferenceState reference, const RecoverOptions& options,
+                                    StageTimer& timer, const ProgressSink& progress) {
+    timer.start("meshing");
+    auto maps = std::async(std::launch::async, [&] {
+        return maps_of_matched(reference.state.field, options.settings);
+    });
+    MesherSummary mesher;
+    RegionMesh mesh = mesh_of(options, reference, mesher, progress);
+    report_progress(
+        progress, "meshing", 1,
+        fmt::format("{}: {} nodes, {} elements, smallest dihedral angle {:.1f} deg", mesher.mesher,
+                    mesh.mesh.num_nodes(), mesh.mesh.num_tets(), mesher.quality.min_dihedral_deg));
+    auto done = maps.get();
+    return prepare_mesh(std::move(reference), std::move(mesh), std::move(mesher), std::move(done),
+                        options, timer, progress);
+}
+
+PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, MesherSummary mesher,
+                               std::vector<DistanceMap> maps, const RecoverOptions& options,
+                               StageTimer& timer, const ProgressSink& progress) {
+    Mechanics mechanics =
+        make_mechanics(mesh, options.settings, options.solver, options.mechanics, timer, progress);
+    auto full_solver = start_full_solver(mechanics.recovery, options.solver);
+    return {std::move(reference), std::move(mesh),      std::move(mesher),
+            std::move(maps),      std::move(mechanics), std::move(full_solver)};
+}
+
+std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
+                                              const LinearSolverOptions& options) {
+    const auto driven = std::count_if(recovery.surfaces.begin(), recovery.surfaces.end(),
+                                      [](const auto& surface) { return surface.driven; });
+    // The motion, and the gradients of the resultant force on each driven organ.
+    return std::make_shared<FullSolver>(recovery.model, options,
+                                        static_cast<Index>(1 + 3 * driven));
+}
+
+}  // namespace palpate

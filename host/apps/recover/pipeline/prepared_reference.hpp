@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/apps/recover/pipeline/full_solver.hpp"
+#include "host/apps/recover/pipeline/mechanics.hpp"
+#include "host/apps/recover/pipeline/reference_state.hpp"
+#include "host/apps/recover/pipeline/stage_timer.hpp"
+
+namespace palpate {
+
+/// The reference with all that is done once, however many targets there are.
+struct PreparedReference {
+    ReferenceState reference;
+    RegionMesh mesh;
+    MesherSummary mesher;
+    std::vector<DistanceMap> maps;  ///< of the matched organs
+    Mechanics mechanics;
+    std::shared_ptr<FullSolver> full_solver;  ///< of `mechanics.recovery.model`
+};
+
+/// Meshes the reference (or reads the ready mesh) and condenses it.
+PreparedReference prepare_reference(ReferenceState reference, const RecoverOptions& options,
+                                    StageTimer& timer, const ProgressSink& progress);
+
+/// The same from a mesh in memory.
+PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, MesherSummary mesher,
+                               std::vector<DistanceMap> maps, const RecoverOptions& options,
+                               StageTimer& timer, const ProgressSink& progress);
+
+/// Sets up the solver of the whole model, in the background.
+std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
+                                              const LinearSolverOptions& options);
+
+}  // namespace palpate

@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/recover.hpp"
+
+#include <fmt/core.h>
+
+#include <future>
+#include <optional>
+#include <utility>
+
+#include "host/apps/recover/pipeline/assemble_result.hpp"
+#include "host/apps/recover/pipeline/joint_estimate.hpp"
+#include "host/apps/recover/pipeline/landmarks.hpp"
+#include "host/apps/recover/pipeline/partial_target.hpp"
+#include "host/apps/recover/pipeline/poisson_ratios.hpp"
+#include "host/apps/recover/pipeline/saved_reference_file.hpp"
+#include "host/apps/recover/pipeline/search_target.hpp"
+
+namespace palpate {
+namespace {
+
+void add_warnings(const char* which, const LabelledState& state, RecoveryResult& result) {
+    for (const std::string& warning : state.warnings)
+        result.warnings.push_back(fmt::format("{}: {}", which, warning));
+}
+
+RecoveryResult recover_target(const PreparedReference& prepared, TargetState& target,
+                              std::future<TargetShapes> shapes, const RecoverOptions& options,
+                              StageTimer timer, JointTarget& joint, const ProgressSink& progress) {
+    const Recovered found =
+        search_target(prepared, target, std::move(shapes), options, timer, progress);
+    joint = joint_target(found.estimate);
+    target.alignment = found.alignment;
+    timer.start("volumes");
+    report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
+    const LabelledState& reference = prepared.reference.state;
+    RecoveryResult result = assemble_result(found, reference, target, options.settings);
+    result.landmarks = measure_landmarks(options.landmarks, result.displacement_field,
+                                         target.alignment.reference_to_target);
+    timer.stop();
+    add_warnings("Reference", reference, result);
+    if (target.labels) add_warnings("Target", *target.labels, result);
+    result.reference_name = reference.name;
+    result.target_name = target.name;
+    const LinearSolverInfo& condensing = prepared.mechanics.condensation.solver;
+    if (!condensing.reason.empty()) result.linear_solvers.push_back({"condensing", condensing});
+    result.linear_solvers.push_back({"solving", found.solver});
+    result.timings_s = timer.times_s();
+    return result;
+}
+
+std::optional<SavedReference> read_saved(const RecoverOptions& options,
+                                         const ProgressSink& progress) {
+    if (options.load_reduced.empty()) return std::nullopt;
+    report_progress(progress, "reading", 0, options.load_reduced.filename().string());
+    return read_saved_reference(options.load_reduced);
+}
+
+std::vector<LabelledState> make_states(const std::vector<Segmentation>& targets,
+                                       const Settings& settings) {
+    std::vector<LabelledState> states;
+    for (const auto& target : targets) states.push_back(make_state(target, settings));
+    return states;
+}
+
+/// The reference, as far as the alignment needs it: with its surfaces, or as it was saved.
+ReferenceState start_reference(LabelledState state, const std::optional<SavedReference>& saved,
+                               const RecoverOptions& options, StageTimer& timer,
+                               const ProgressSink& progress) {
+    if (saved) {
+        check_same_reference(*saved, state, options.settings);
+        return reference_state(*saved, std::move(state));
+    }
+    timer.start("surfaces");
+    return make_reference(std::move(state), options, progress);
+}
+
+PreparedReference finish_reference(ReferenceState state, std::optional<SavedReference> saved,
+                                   const RecoverOptions& options, StageTimer& timer,
+                                   const ProgressSink& progress) {
+    if (!saved) return prepare_reference(std::move(state), options, timer, progress);
+    timer.start("loading");
+    const std::string name = saved->name;
+    PreparedReference prepared = restore(std::move(*saved), std::move(state), options);
+    prepared.mechanics.condensation.solver.reason += ", read from a saved reduced model";
+    const Mechanics& mechanics = prepared.mechanics;
+    report_progress(
+        progress, "loading", 1,
+        fmt::format("{}: {} nodes, {} elements, {} wall motions, {} surface modes", name,
+                    prepared.mesh.mesh.num_nodes(), prepared.mesh.mesh.num_tets(),
+                    mechanics.response.num_functionals(), mechanics.response.num_modes()));
+    return prepared;
+}
+
+void save(const PreparedReference& prepared, const RecoverOptions& options, StageTimer& timer,
+          const ProgressSink& progress) {
+    if (options.save_reduced.empty()) return;
+    timer.start("saving");
+    report_progress(progress, "saving", 0, options.save_reduced.filename().string());
+    write_saved_reference(saved_form(prepared, options.settings), options.save_reduced);
+}
+
+/// Of the stages of `result` that follow those of `shared`.
+double seconds_after(const StageTimer& shared, const RecoveryResult& result) {
+    double sum = 0;
+    for (std::size_t k = shared.times_s().size(); k < result.timings_s.size(); ++k) {
+        sum += result.timings_s[k].second;
+    }
+    return sum;
+}
+
+/// Whether what targets leave can be put together: mechanics that are the same for all.
+bool can_join(const RecoverOptions& options, const Mechanics& mechanics) {
+    return options.method == SearchMethod::map && options.law == TissueLaw::linear &&
+           mechanics.recovery.unknown_ratio.empty();
+}
+
+/// Those of several targets that a joint estimate is made of.
+struct JointTargets {
+    std::vector<JointTarget> searched;
+    JointResult result;  ///< who was left out
+
+    void add(std::size_t k, JointTarget target, bool converged, const std::string& repeats) {
+        if (!repeats.empty()) {
+            result.left_out.emplace_back(k, repeats);
+        } else if (!converged) {
+            result.left_out.emplace_back(k, "did not converge");
+        } else {
+            searched.push_back(std::move(target));
+        }
+    }
+};
+
+void join(JointTargets targets, const RecoverOptions& options, const JointSink& tell,
+          const ProgressSink& progress) {
+    JointResult result = std::move(targets.result);
+    result.num_targets = targets.searched.size();
+    StageTimer timer;
+    timer.start("joint");
+    try {
+        result.regions =
+            joint_estimate(targets.searched, options.settings, options.search, progress);
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::cancelled) throw;
+        result.failure = error.what();
+    }
+    timer.stop();
+    result.seconds = timer.times_s()[0].second;
+    if (!result.regions.empty() || !result.failure.empty()) tell(std::move(result));
+}
+
+/// Of each target: what its labels are a copy of; empty: of nothing that came before.
+std::vector<std::string> repetitions(const Segmentation& reference,
+                                     const std::vector<Segmentation>& targets) {
+    std::vector<std::string> found(targets.size());
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+        if (is_same(reference, targets[k])) found[k] = "has the labels of the reference";
+        for (std::size_t other = 0; other < k && found[k].empty(); ++other)
+            if (is_same(targets[other], targets[k]))
+                found[k] = fmt::format("has the labels of target {}", other + 1);
+    }
+    return found;
+}
+
+/// Brings the targets into the frame of the reference, whose surfaces are known by then.
+using Align = std::function<std::vector<TargetState>(const ReferenceState& reference)>;
+
+void recover_aligned(LabelledState reference, std::optional<SavedReference> saved,
+                     const Align& align, const std::vector<std::string>& repeats,
+                     const RecoverOptions& options, StageTimer& timer, const TargetSinks& tell,
+                     const ProgressSink& progress) {
+    ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
+    timer.start("aligning");
+    std::vector<TargetState> aligned = align(state);
+    std::future<TargetShapes> next = start_target_shapes(aligned.front(), options.settings);
+    const PreparedReference prepared =
+        finish_reference(std::move(state), std::move(saved), options, timer, progress);
+    save(prepared, options, timer, progress);
+    timer.stop();
+
+    JointTargets together;
+    for (std::size_t k = 0; k < aligned.size(); ++k) {
+        if (aligned.size() > 1) {
+            report_progress(progress, fmt::format("target {}", k + 1), 0,
+                            fmt::format("of {}: {}", aligned.size(), aligned[k].name));
+        }
+        std::future<TargetShapes> shapes = std::move(next);
+        if (k + 1 < aligned.size()) next = start_target_shapes(aligned[k + 1], options.settings);
+        try {
+            JointTarget joint;
+            RecoveryResult result = recover_target(prepared, aligned[k], std::move(shapes), options,
+                                                   timer, joint, progress);
+            const bool converged = result.termination.converged;
+            const double seconds = seconds_after(timer, result);
+            tell.result(k, std::move(result), seconds);
+            if (joint.problem) together.add(k, std::move(joint), converged, repeats[k]);
+        } catch (const Error& error) {
+            if (!tell.failed || error.code() == ErrorCode::cancelled) throw;
+            tell.failed(k, error);
+        }
+    }
+    if (tell.joint && together.searched.size() > 1 && can_join(options, prepared.mechanics))
+        join(std::move(together), options, tell.joint, progress);
+}
+
+}  // namespace
+
+void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
+                 const RecoverOptions& options, const TargetSinks& tell,
+                 const ProgressSink& progress) {
+    check_unknown_ratios(options);
+    check_tissue_law(options);
+    StageTimer timer;
+    timer.start("reading");
+    std::optional<SavedReference> saved = read_saved(options, progress);
+    report_progress(progress, "reading", 0, "smoothing the segmentations");
+    auto reading =
+        std::async(std::launch::async, [&] { return make_states(targets, options.settings); });
+    LabelledState reference_state = make_state(reference, options.settings);
+    std::vector<LabelledState> states = reading.get();
+    const auto align = [&](const ReferenceState& state) {
+        std::vector<TargetState> aligned;
+        for (auto& target : states) {
+            aligned.push_back(align_target(std::move(target), state, options, progress));
+        }
+        return aligned;
+    };
+    recover_aligned(std::move(reference_state), std::move(saved), align,
+                    repetitions(reference, targets), options, timer, tell, progress);
+}
+
+RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
+                       const RecoverOptions& options, const ProgressSink& progress) {
+    check_unknown_ratios(options);
+    check_tissue_law(options);
+    check_partial_target(target, options);
+    StageTimer timer;
+    timer.start("reading");
+    std::optional<SavedReference> saved = read_saved(options, progress);
+    report_progress(progress, "reading", 0, "smoothing the segmentation");
+    const auto place = [&](const ReferenceState& state) {
+        std::vector<TargetState> placed;
+        placed.push_back(place_target(target, state, options));
+        return placed;
+    };
+    RecoveryResult only;
+    const auto keep = [&](std::size_t, RecoveryResult result, double) { only = std::move(result); };
+    recover_aligned(make_state(reference, options.settings), std::move(saved), place, {""}, options,
+                    timer, {keep}, progress);
+    return only;
+}
+
+RecoveryResult recover(const Segmentation& reference, const Segmentation& target,
+                       const RecoverOptions& options, const ProgressSink& progress) {
+    RecoveryResult only;
+    recover_all(reference, {target}, options,
+                {[&](std::size_t, RecoveryResult result, double) { only = std::move(result); }},
+                progress);
+    return only;
+}
+
+}  // namespace palpate

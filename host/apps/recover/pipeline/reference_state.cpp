@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/reference_state.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "host/geometry/surfaces/extract.hpp"
+
+namespace palpate {
+namespace {
+
+/// Surface points of the fixed organs, caps left out.
+std::vector<std::vector<Vec3>> fixed_points(const RegionSurface& surface,
+                                            const Settings& settings) {
+    std::vector<std::vector<Vec3>> points;
+    for (std::size_t k = 0; k < settings.organs.size(); ++k) {
+        if (!is_fixed(settings.organs[k])) continue;
+        const Index region = first_organ_region + static_cast<Index>(k);
+        points.push_back(surface_of_region(surface, region, false).vertices);
+    }
+    return points;
+}
+
+/// Edge length that puts about a third of the wanted nodes on organ surfaces.
+double edge_length_for(const RegionImage& image, Index num_nodes) {
+    const auto& size = image.grid.size;
+    const Vec3& h = image.grid.spacing;
+    const std::array<double, 3> face{h[1] * h[2], h[0] * h[2], h[0] * h[1]};
+    double area = 0;
+    for (Index k = 1; k < size[2]; ++k) {
+        for (Index j = 1; j < size[1]; ++j) {
+            for (Index i = 1; i < size[0]; ++i) {
+                const auto here = image.at(i, j, k);
+                area += face[0] * (here != image.at(i - 1, j, k)) +
+                        face[1] * (here != image.at(i, j - 1, k)) +
+                        face[2] * (here != image.at(i, j, k - 1));
+            }
+        }
+    }
+    const double smooth_area = area / 1.5;  // voxel faces overrate a sphere by 3/2
+    return std::sqrt(smooth_area / (0.866 * 0.35 * num_nodes));
+}
+
+}  // namespace
+
+ReferenceState make_reference(LabelledState state, const RecoverOptions& options,
+                              const ProgressSink& progress) {
+    ReferenceState reference{std::move(state), 0, {}, {}};
+    SurfaceOptions surface_options;
+    surface_options.edge_length_mm =
+        edge_length_for(reference.state.regions, options.mesher.num_nodes);
+    surface_options.outer_edge_length_mm = 4.0 * surface_options.edge_length_mm;
+    report_progress(progress, "surfaces", 0,
+                    fmt::format("edge length {:.2f} mm", surface_options.edge_length_mm));
+    const double wanted_mm = surface_options.edge_length_mm;
+    std::string reason;
+    reference.surface = extract_surfaces_finely(reference.state.regions, reference.state.field,
+                                                surface_options, &reason, progress);
+    reference.edge_length_mm = surface_options.edge_length_mm;
+    if (!reason.empty())
+        reference.state.warnings.push_back(
+            fmt::format("The surfaces have edges of {:.2f} mm and volumes within {:.0f} % of the "
+                        "voxels', not {:.2f} mm (for {} nodes) and {:.0f} %: {}",
+                        reference.edge_length_mm, 100 * surface_options.volume_tolerance, wanted_mm,
+                        options.mesher.num_nodes, 100 * SurfaceOptions{}.volume_tolerance, reason));
+    reference.fixed_points = fixed_points(reference.surface, options.settings);
+    return reference;
+}
+
+}  // namespace palpate

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/search_target.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "host/apps/recover/pipeline/full_model.hpp"
+#include "solver/base/error.hpp"
+#include "solver/model/node_rows.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<std::uint8_t> seen_nodes(const Mesh& mesh, const TargetState& target) {
+    std::vector<std::uint8_t> seen(mesh.nodes.size());
+    std::transform(mesh.nodes.begin(), mesh.nodes.end(), seen.begin(),
+                   [&](const Vec3& node) { return in_field_of_view(target, node); });
+    return seen;
+}
+
+/// `prepared` must outlive the shapes.
+ObservedShapes observed_shapes(const PreparedReference& prepared, const Recovered& found) {
+    ObservedShapes shapes;
+    for (const auto& map : prepared.maps) {
+        shapes.reference.emplace_back(std::shared_ptr<void>(), &map);
+    }
+    shapes.target = found.target;
+    return shapes;
+}
+
+void check_anything_seen(const SurfaceObservations& observations, const RecoveryModel& recovery) {
+    const auto at_rest = [](const std::vector<Index>& nodes) {
+        return Eigen::VectorXd::Zero(3 * static_cast<Index>(nodes.size()));
+    };
+    const auto state = observations.evaluate(at_rest(recovery.driven), at_rest(recovery.observed));
+    if (std::any_of(state.seen.begin(), state.seen.end(), [](auto seen) { return seen != 0; })) {
+        return;
+    }
+    throw Error(ErrorCode::input_unusable,
+                "the target shows nothing of any organ's surface: no point of the reference lies "
+                "over it and faces as it does; check its frame, or give --initial-transform");
+}
+
+/// What the published method finds, without covariance, intervals or profiles.
+MapEstimate nested_estimate(const RecoveryModel& recovery, const SurfaceObservations& observations,
+                            const RecoverOptions& options, const ProgressSink& progress) {
+    const NestedEstimate found = nested_lbfgs(recovery, observations, options.nested, progress);
+    const auto& prior = options.settings.prior;
+    MapEstimate estimate;
+    estimate.driven = at_nodes(found.displacement, recovery.driven);
+    estimate.observed = at_nodes(found.displacement, recovery.observed);
+    for (const Index region : found.unknown) {
+        estimate.unknown.push_back(
+            {region, std::log(prior_median_kpa(options.settings)), prior.stiffness_sd_ln});
+    }
+    estimate.theta = found.theta;
+    estimate.records = found.records;
+    estimate.termination = found.termination;
+    return estimate;
+}
+
+/// The alignment and the target's shapes as the search moved them: what is at x in the reference
+/// frame was seen at `motion`(x).
+void move_frame(const RigidTransform& motion, Recovered& found) {
+    RigidTransform& transform = found.alignment.reference_to_target;
+    found.alignment.moved_mm = found.estimate.frame.tail<3>().norm();
+    found.alignment.turned_deg =
+        found.estimate.frame.head<3>().norm() / TargetFrame::radius_mm * 180 / std::numbers::pi;
+    transform = {transform.rotation * motion.rotation, transform.apply(motion.translation)};
+    for (auto& shape : found.target)
+        shape = std::make_shared<DistanceMap>(
+            dynamic_cast<const DistanceMap&>(*shape).moved(motion.inverse()));
+}
+
+FiniteStrainOptions finite_strain_options(const RecoverOptions& options) {
+    FiniteStrainOptions finite;
+    finite.response = options.mechanics.response;
+    finite.search = options.search;
+    finite.solver = options.solver;
+    return finite;
+}
+
+}  // namespace
+
+Recovered search_target(const PreparedReference& prepared, const TargetState& target,
+                        std::future<TargetShapes> shapes, const RecoverOptions& options,
+                        StageTimer& timer, const ProgressSink& progress) {
+    const Mechanics& mechanics = prepared.mechanics;
+    Recovered found;
+    found.alignment = target.alignment;
+    found.mesh = prepared.mesh;
+    found.mesher = prepared.mesher;
+    found.recovery = mechanics.recovery;
+
+    timer.start("distances");
+    found.target = shapes.get();
+    const SurfaceObservations observations(
+        found.recovery, observed_shapes(prepared, found), seen_nodes(found.mesh.mesh, target),
+        observation_options(options.settings, prepared.reference.state, target));
+    check_anything_seen(observations, found.recovery);
+    RecoverOptions with_contours = options;
+    if (const auto& sd_mm = options.settings.prior.contour_sd_mm)
+        with_contours.search.contour_mm = *sd_mm * contour_images(target);
+    search_model(found, mechanics, *prepared.full_solver, observations, with_contours, timer,
+                 progress);
+    if (!found.estimate.frame.isZero(0))
+        move_frame(observations.frame_evidence().frame.transform(found.estimate.frame), found);
+    return found;
+}
+
+void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
+                  const SurfaceObservations& observations, const RecoverOptions& options,
+                  StageTimer& timer, const ProgressSink& progress) {
+    timer.start("searching");
+    const bool has_unknown_ratio = !mechanics.recovery.unknown_ratio.empty();
+    if (has_unknown_ratio) {
+        found.poisson = search_poisson_ratios(mechanics, observations, options, progress);
+        found.estimate = std::move(found.poisson->estimate);
+        found.recovery = found.poisson->mechanics->recovery;
+    } else if (options.law != TissueLaw::linear) {
+        found.law = options.law;
+        found.finite = search_finite_strain(mechanics, options.law, observations,
+                                            finite_strain_options(options), progress);
+        found.estimate = std::move(found.finite->estimate);
+    } else if (options.method == SearchMethod::nested_lbfgs) {
+        found.estimate = nested_estimate(found.recovery, observations, options, progress);
+    } else {
+        found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
+                                      mechanics.priors, options.search, progress);
+    }
+    found.estimate.noise.reset();  // it points into the observations, which end with the search
+    timer.start("solving");
+    if (found.finite) {
+        take_equilibrium(found);
+    } else if (has_unknown_ratio) {
+        solve_full_model(found, *start_full_solver(found.recovery, options.solver), progress);
+    } else {
+        solve_full_model(found, full_solver, progress);
+    }
+}
+
+}  // namespace palpate

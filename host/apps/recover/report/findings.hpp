@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/apps/recover/result/recovery_result.hpp"
+
+namespace palpate {
+
+/// A number as people read it: three significant digits, no exponent between 0.001 and 99999;
+/// "n/a" if it is not finite.
+std::string significant(double value);
+/// A number with fixed decimals; "n/a" if it is not finite.
+std::string decimals(double value, int digits);
+/// The same for a table, with a dash for what does not exist.
+std::string decimals_or_dash(double value, int digits);
+
+/// The name of a region of the result; "region N" if it has none.
+std::string region_name(const RecoveryResult& result, Index region);
+/// Sum of the stages.
+double total_seconds(const RecoveryResult& result);
+/// How the known tissue is called to which an unknown modulus is compared; null if there is none.
+const RegionResult* reference_tissue(const RecoveryResult& result);
+
+/// What was found about one unknown modulus, in one or two sentences.
+std::string finding_sentence(const RecoveryResult& result, const RegionResult& region);
+/// What was found about one Poisson's ratio that was searched.
+std::string ratio_sentence(const RegionResult& region);
+/// How well the surfaces agree, in one sentence; empty without observed surfaces.
+std::string surfaces_sentence(const RecoveryResult& result);
+/// How much of each organ's surface carried data; empty where the target has labels.
+/// "12 landmarks: mean error 3.1 mm after rigid alignment, 0.8 mm after the recovery, largest 1.9
+/// mm.", or nothing without landmarks.
+std::string landmark_sentence(const RecoveryResult& result);
+std::string seen_sentence(const RecoveryResult& result);
+/// How far the contours are off, in one sentence; empty where the search looked for nothing.
+std::string contours_sentence(const RecoveryResult& result);
+/// Whether the search converged, in one sentence.
+std::string termination_sentence(const RecoveryResult& result);
+/// The law that all tissue was taken to obey, one sentence.
+std::string law_sentence(const RecoveryResult& result);
+/// Which linear solver each stage used, where and why, in one line; empty if nobody says.
+std::string linear_solvers_text(const RecoveryResult& result);
+/// What was found, how well the surfaces agree and whether the search converged, in that order.
+std::vector<std::string> summary_sentences(const RecoveryResult& result);
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "host/apps/recover/result/recovery_result.hpp"
+
+namespace palpate {
+
+/// Text made safe as HTML content and as an attribute in double quotes; control characters and
+/// broken UTF-8 become U+FFFD.
+std::string escape_html(std::string_view text);
+
+/// Replaces each {{name}} of the template by its value, once: values are not searched again.
+/// Throws Error(internal) for a name without value.
+std::string fill_template(std::string_view text, const std::map<std::string, std::string>& values);
+
+/// Colour number `position` of lists, "#rrggbb", told apart by colour-blind readers; repeats.
+std::string list_colour(std::size_t position);
+
+/// The colour of a region in every picture, "#rrggbb", told apart by colour-blind readers; fixed
+/// organs are grey.
+std::string region_colour(const RecoveryResult& result, Index region);
+
+}  // namespace palpate

@@ -1,0 +1,269 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/io/settings_table.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include <toml++/toml.h>
+
+#include "solver/base/error.hpp"
+
+namespace palpate {
+
+struct SettingsTable::Node {
+    std::shared_ptr<const toml::table> document;
+    const toml::table* table = nullptr;
+};
+
+namespace {
+
+constexpr std::size_t longest_shown_value = 60;
+constexpr std::size_t most_dots_in_a_key = 32;
+
+std::string shown(const toml::node& value) {
+    std::ostringstream out;
+    value.visit([&](const auto& v) {
+        if constexpr (toml::is_table<decltype(v)>)
+            out << "a table";
+        else if constexpr (toml::is_array<decltype(v)>)
+            out << "a list";
+        else if constexpr (toml::is_floating_point<decltype(v)>)
+            out << fmt::format("{}", *v);  // the shortest digits that mean the number
+        else
+            out << toml::node_view<const toml::node>(v);
+    });
+    std::string text = out.str();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    if (text.size() > longest_shown_value) text = text.substr(0, longest_shown_value) + "...";
+    return text;
+}
+
+std::string shown(NumberRange range) {
+    if (range.low == any_number.low && range.high == any_number.high) return "a number";
+    if (range.high == any_number.high)
+        return fmt::format("a number {} {:g}", range.open_low ? "greater than" : "of at least",
+                           range.low);
+    return fmt::format("a number {} {:g} and at most {:g}",
+                       range.open_low ? "greater than" : "of at least", range.low, range.high);
+}
+
+/// Letter changes needed to turn one word into the other, to guess what a wrong key should be.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+        }
+    }
+    return row[b.size()];
+}
+
+/// Where a string or comment that begins at `at` ends; `at` itself if none begins there.
+std::size_t end_of_opaque(std::string_view text, std::size_t at) {
+    const auto after = [&](std::size_t found, std::size_t length) {
+        return found == std::string_view::npos ? text.size() : found + length;
+    };
+    const char c = text[at];
+    if (c == '#') return after(text.find('\n', at), 0);
+    if (c != '"' && c != '\'') return at;
+    const bool is_long = at + 2 < text.size() && text[at + 1] == c && text[at + 2] == c;
+    for (std::size_t k = at + (is_long ? 3 : 1); k < text.size(); ++k) {
+        if (c == '"' && text[k] == '\\') {
+            ++k;
+        } else if (!is_long && (text[k] == c || text[k] == '\n')) {
+            return k + 1;
+        } else if (is_long && text.substr(k, 3) == text.substr(at, 3)) {
+            k += 3;
+            for (int more = 0; more < 2 && k < text.size() && text[k] == c; ++more) ++k;
+            return k;
+        }
+    }
+    return text.size();
+}
+
+/// The most dots in one key. The parser makes a table inside a table for each, without limit, and
+/// taking them down again then overflows the stack.
+std::size_t deepest_key(std::string_view text) {
+    std::size_t dots = 0, most = 0;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = end_of_opaque(text, at);
+        if (end > at) {
+            at = end;
+            continue;
+        }
+        const char c = text[at++];
+        if (c == '.') most = std::max(most, ++dots);
+        if (std::string_view("=,{}[]\n").find(c) != std::string_view::npos) dots = 0;
+    }
+    return most;
+}
+
+}  // namespace
+
+SettingsTable SettingsTable::parse(const std::string& toml, const std::string& source_name) {
+    if (deepest_key(toml) > most_dots_in_a_key)
+        throw Error(ErrorCode::input_unreadable,
+                    fmt::format("{}: a key has more than {} parts; no setting needs more than two",
+                                source_name, most_dots_in_a_key));
+    try {
+        auto document = std::make_shared<const toml::table>(toml::parse(toml));
+        SettingsTable result;
+        result.node_ = std::make_shared<const Node>(Node{document, document.get()});
+        result.source_ = source_name;
+        return result;
+    } catch (const toml::parse_error& e) {
+        throw Error(ErrorCode::input_unreadable,
+                    fmt::format("{}, line {}: not valid TOML: {}; correct that line", source_name,
+                                e.source().begin.line, e.description()));
+    }
+}
+
+void SettingsTable::allow_keys(const std::vector<std::string_view>& keys) const {
+    for (const auto& [key, value] : *node_->table) {
+        if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
+        std::string guess;
+        for (std::string_view known : keys)
+            if (edit_distance(key.str(), known) <= 2)
+                guess = fmt::format(" (did you mean '{}'?)", known);
+        refuse(key.str(),
+               fmt::format("not known here{}; known keys: {}", guess, fmt::join(keys, ", ")));
+    }
+}
+
+bool SettingsTable::has(std::string_view key) const { return node_->table->contains(key); }
+
+std::vector<std::string> SettingsTable::keys() const {
+    std::vector<std::string> names;
+    for (const auto& [key, value] : *node_->table) names.emplace_back(key.str());
+    return names;
+}
+
+std::optional<SettingsTable> SettingsTable::table(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    const toml::table* inner = node_->table->get(key)->as_table();
+    if (!inner) refuse(key, fmt::format("allowed: one table, written [{}]", key));
+    SettingsTable result = *this;
+    result.node_ = std::make_shared<const Node>(Node{node_->document, inner});
+    result.title_ += fmt::format("{}[{}]", title_.empty() ? "" : " ", key);
+    return result;
+}
+
+std::vector<SettingsTable> SettingsTable::tables(std::string_view key) const {
+    std::vector<SettingsTable> result;
+    if (!has(key)) return result;
+    const std::string allowed = fmt::format("allowed: tables, written [[{}]]", key);
+    const toml::array* list = node_->table->get(key)->as_array();
+    if (!list) refuse(key, allowed);
+    for (const toml::node& item : *list) {
+        if (!item.is_table()) refuse(key, allowed);
+        SettingsTable inner = *this;
+        inner.node_ = std::make_shared<const Node>(Node{node_->document, item.as_table()});
+        inner.title_ +=
+            fmt::format("{}[[{}]] number {}", title_.empty() ? "" : " ", key, result.size() + 1);
+        result.push_back(inner);
+    }
+    return result;
+}
+
+std::optional<double> SettingsTable::number(std::string_view key, NumberRange range) const {
+    if (!has(key)) return std::nullopt;
+    const toml::node* node = node_->table->get(key);
+    const std::optional<double> value =
+        node->is_number() ? node->value<double>() : std::optional<double>{};
+    const bool good = value && std::isfinite(*value) && *value <= range.high &&
+                      (range.open_low ? *value > range.low : *value >= range.low);
+    if (!good) refuse(key, "allowed: " + shown(range));
+    return value;
+}
+
+std::optional<std::vector<double>> SettingsTable::numbers(std::string_view key, std::size_t least,
+                                                          std::size_t most) const {
+    if (!has(key)) return std::nullopt;
+    const auto wrong = [&] {
+        const std::string count = least == most ? fmt::format("{}", least)
+                                  : most > 1000 ? fmt::format("at least {}", least)
+                                                : fmt::format("{} to {}", least, most);
+        refuse(key, fmt::format("allowed: a list of {} numbers in square brackets", count));
+    };
+    const toml::array* list = node_->table->get(key)->as_array();
+    if (!list || list->size() < least || list->size() > most) wrong();
+    std::vector<double> values;
+    for (const toml::node& item : *list) {
+        const auto value = item.is_number() ? item.value<double>() : std::optional<double>{};
+        if (!value || !std::isfinite(*value)) wrong();
+        values.push_back(*value);
+    }
+    return values;
+}
+
+std::optional<int> SettingsTable::whole_number(std::string_view key, int low, int high) const {
+    if (!has(key)) return std::nullopt;
+    const toml::node* node = node_->table->get(key);
+    const std::optional<std::int64_t> value =
+        node->is_integer() ? node->value<std::int64_t>() : std::optional<std::int64_t>{};
+    if (!value || *value < low || *value > high)
+        refuse(key, fmt::format("allowed: a whole number from {} to {}", low, high));
+    return static_cast<int>(*value);
+}
+
+std::optional<bool> SettingsTable::yes_or_no(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    const toml::node* node = node_->table->get(key);
+    if (!node->is_boolean()) refuse(key, "allowed: true or false, without quotes");
+    return node->value<bool>();
+}
+
+std::optional<std::string> SettingsTable::text(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    const toml::node* node = node_->table->get(key);
+    if (!node->is_string()) refuse(key, "allowed: text in quotes");
+    return node->value<std::string>();
+}
+
+std::optional<std::string> SettingsTable::choice(
+    std::string_view key, std::initializer_list<std::string_view> choices) const {
+    if (!has(key)) return std::nullopt;
+    for (std::string_view c : choices)
+        if (is_text(key, c)) return std::string(c);
+    refuse(key, fmt::format("allowed: \"{}\"", fmt::join(choices, "\", \"")));
+}
+
+bool SettingsTable::is_text(std::string_view key, std::string_view value) const {
+    const toml::node* node = node_->table->get(key);
+    return node && node->is_string() && node->value<std::string_view>() == value;
+}
+
+void SettingsTable::missing(std::string_view key, const std::string& allowed) const {
+    fail(fmt::format("key '{}' is missing; allowed: {}", key, allowed));
+}
+
+void SettingsTable::refuse(std::string_view key, const std::string& allowed) const {
+    const toml::node* node = node_->table->get(key);
+    const std::string place = title_.empty() ? "" : title_ + ": ";
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("{}, line {}: {}key '{}' is {}; {}", source_, node->source().begin.line,
+                            place, key, shown(*node), allowed));
+}
+
+void SettingsTable::fail(const std::string& complaint) const {
+    const auto line = node_->table->source().begin.line;
+    const std::string where = title_.empty() ? source_ : fmt::format("{}, line {}", source_, line);
+    const std::string place = title_.empty() ? "" : title_ + ": ";
+    throw Error(ErrorCode::invalid_argument, fmt::format("{}: {}{}", where, place, complaint));
+}
+
+void SettingsTable::set_subject(const std::string& subject) {
+    title_ += fmt::format(" \"{}\"", subject);
+}
+
+}  // namespace palpate
