@@ -18,6 +18,7 @@ BACKEND = SOLVER_MODEL + ["solver/backend"]
 SOLVER = BACKEND + ["solver/linear", "solver/equilibrium", "solver/adjoint", "solver/condense"]
 FILES = SOLVER + ["host/system", "host/io"]
 GEOMETRY = FILES + ["host/geometry/fields", "host/geometry/surfaces", "host/geometry/meshing", "host/geometry/warping"]
+PAGES = GEOMETRY + ["host/page"]
 RECOVER = [f"host/apps/recover/{station}"
            for station in ("modelling", "objectives", "inverse", "result", "report", "pipeline")]
 
@@ -42,20 +43,21 @@ ALLOWED = {
                                 "host/geometry/meshing/dihedral"],
     "host/system": SOLVER,
     "host/io": FILES,
+    "host/page": ["solver/base"],
     "host/apps/phantom": GEOMETRY + RECOVER[:1],
-    "host/apps/study": GEOMETRY + RECOVER + ["host/apps/phantom"],
-    "host/apps/simulate": GEOMETRY + RECOVER[:5],
-    "host/apps/export": GEOMETRY + RECOVER[:5],
-    "host/faces/cli": GEOMETRY + RECOVER + [f"host/apps/{name}" for name in ("phantom", "study", "simulate", "export")],
-    "host/faces/slicer": GEOMETRY + RECOVER,
+    "host/apps/study": PAGES + RECOVER + ["host/apps/phantom"],
+    "host/apps/simulate": PAGES,
+    "host/apps/export": PAGES + RECOVER[:5],
+    "host/faces/cli": PAGES + RECOVER + [f"host/apps/{name}" for name in ("phantom", "study", "simulate", "export")],
+    "host/faces/slicer": PAGES + RECOVER,
     "host/faces/python": ["host/faces/capi"],
-    "host/faces/capi": GEOMETRY + RECOVER + ["host/apps/phantom"],
+    "host/faces/capi": PAGES + RECOVER + ["host/apps/phantom"],
 }
 for position, folder in enumerate(GEOMETRY):
     if folder.startswith("host/geometry"):
         ALLOWED[folder] = GEOMETRY[:position]
 for position, station in enumerate(RECOVER):
-    ALLOWED[station] = GEOMETRY + RECOVER[:position]
+    ALLOWED[station] = PAGES + RECOVER[:position]
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+"((?:solver|host|kernels|tests)/[^"]+)"')
 

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "host/apps/recover/report/result_folder.hpp"
 #include "host/geometry/meshing/mesh_files.hpp"
 #include "host/io/files.hpp"
+#include "host/io/output_folder.hpp"
 #include "host/io/preflight.hpp"
 #include "solver/base/error.hpp"
 

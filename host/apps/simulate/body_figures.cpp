@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
-#include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/simulate/mesh_picture.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/numbers.hpp"
 
 namespace palpate {
 namespace {

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <map>
 
-#include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/markup.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/numbers.hpp"
 
 namespace palpate {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/plain_text.hpp"
+#include "host/page/numbers.hpp"
+#include "host/page/plain_text.hpp"
 
 namespace palpate {
 

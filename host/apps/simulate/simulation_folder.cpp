@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "host/apps/recover/report/result_folder.hpp"
 #include "host/apps/simulate/simulation_json.hpp"
 #include "host/apps/simulate/simulation_page.hpp"
 #include "host/geometry/meshing/solid_mesh_file.hpp"
+#include "host/io/output_folder.hpp"
 
 namespace palpate {
 namespace {

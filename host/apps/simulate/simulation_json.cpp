@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/apps/recover/report/plain_text.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
+#include "host/page/plain_text.hpp"
 #include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 

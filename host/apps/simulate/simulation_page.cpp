@@ -6,13 +6,13 @@
 
 #include <algorithm>
 
-#include "host/apps/recover/report/assets.hpp"
-#include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/simulate/assets.hpp"
 #include "host/apps/simulate/body_figures.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/apps/simulate/simulation_plots.hpp"
+#include "host/page/assets.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/numbers.hpp"
 #include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 
@@ -229,7 +229,7 @@ std::string wrapped_figures(const std::string& figures) {
 std::string simulation_page(const SimulationResult& result) {
     const SimulationState& state = result.states[shown_state(result)];
     return fill_template(simulation_html_template(),
-                         {{"css", std::string(report_css()) + std::string(simulation_css())},
+                         {{"css", std::string(page_css()) + std::string(simulation_css())},
                           {"version", escape_html(version_text())},
                           {"headline", escape_html(headline(result))},
                           {"summary", escape_html(summary(result))},

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <set>
 
-#include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/legend.hpp"
-#include "host/apps/recover/report/markup.hpp"
-#include "host/apps/recover/report/plot.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
+#include "host/page/legend.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/numbers.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

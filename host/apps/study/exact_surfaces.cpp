@@ -7,11 +7,11 @@
 
 #include "host/apps/recover/inverse/uncertainty.hpp"
 #include "host/apps/recover/pipeline/mechanics.hpp"
-#include "host/apps/recover/report/findings.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/exact_observations.hpp"
 #include "host/apps/study/pelvis_case.hpp"
 #include "host/apps/study/tables.hpp"
+#include "host/page/numbers.hpp"
 
 namespace palpate {
 namespace {

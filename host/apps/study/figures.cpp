@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/apps/recover/report/markup.hpp"
-#include "host/apps/recover/report/plot.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host/apps/recover/report/legend.hpp"
 #include "host/apps/study/accuracy.hpp"
 #include "host/apps/study/study.hpp"
+#include "host/page/legend.hpp"
 
 namespace palpate {
 

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
-#include "host/apps/recover/report/assets.hpp"
-#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/study/assets.hpp"
 #include "host/apps/study/study_folder.hpp"
+#include "host/page/assets.hpp"
+#include "host/page/markup.hpp"
 #include "host/system/version.hpp"
 
 namespace palpate {
@@ -111,7 +111,7 @@ std::string settings_list(const Study& study) {
     return out + "</dl>";
 }
 
-std::string style() { return std::string(report_css()) + std::string(study_css()); }
+std::string style() { return std::string(page_css()) + std::string(study_css()); }
 
 }  // namespace
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <set>
 
-#include "host/apps/recover/report/plot.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/pelvis_case.hpp"
 #include "host/apps/study/statistics.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

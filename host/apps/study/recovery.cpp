@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "host/apps/recover/report/findings.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/pelvis_case.hpp"
 #include "host/apps/study/tables.hpp"
+#include "host/page/numbers.hpp"
 
 namespace palpate {
 namespace {

@@ -6,12 +6,12 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/apps/recover/report/plot.hpp"
 #include "host/apps/study/demons.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/pelvis_case.hpp"
 #include "host/apps/study/statistics.hpp"
 #include "host/apps/study/tables.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

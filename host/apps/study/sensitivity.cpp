@@ -7,10 +7,10 @@
 #include <set>
 
 #include "host/apps/phantom/spheres.hpp"
-#include "host/apps/recover/report/plot.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/studies.hpp"
 #include "host/apps/study/tables.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

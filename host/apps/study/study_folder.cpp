@@ -8,8 +8,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "host/apps/recover/report/result_folder.hpp"
 #include "host/io/files.hpp"
+#include "host/io/output_folder.hpp"
 #include "host/system/version.hpp"
 #include "solver/base/error.hpp"
 

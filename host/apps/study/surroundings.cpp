@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include "host/apps/recover/report/findings.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/pelvis_case.hpp"
+#include "host/page/numbers.hpp"
 
 namespace palpate {
 namespace {

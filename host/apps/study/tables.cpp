@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/study/figures.hpp"
+#include "host/page/markup.hpp"
 
 namespace palpate {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/plot.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/pelvis_case.hpp"
+#include "host/page/numbers.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

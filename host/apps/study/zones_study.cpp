@@ -7,12 +7,12 @@
 #include <cmath>
 
 #include "host/apps/phantom/random_numbers.hpp"
-#include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/plot.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/pelvis_case.hpp"
 #include "host/apps/study/statistics.hpp"
 #include "host/apps/study/tables.hpp"
+#include "host/page/numbers.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

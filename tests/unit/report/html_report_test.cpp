@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/apps/recover/report/markup.hpp"
+#include "host/apps/recover/report/findings.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/report/holds.hpp"
 #include "tests/unit/report/synthetic_result.hpp"

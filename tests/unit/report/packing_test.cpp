@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/report/packing.hpp"
+#include "host/page/packing.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,11 +7,8 @@
 namespace palpate {
 
 /// Files of `assets/`, compiled in (EmbedText.cmake).
-std::string_view report_css();
 std::string_view report_html_template();
 std::string_view report_js();
-std::string_view slice_viewer_js();
-std::string_view surface_viewer_js();
 std::string_view targets_html_template();
 
 }  // namespace palpate

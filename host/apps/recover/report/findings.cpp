@@ -27,28 +27,22 @@ bool is_observed(const SurfaceResult& s) { return s.role == "tissue" || s.role =
 
 }  // namespace
 
-std::string decimals(double value, int digits) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "n/a";
-}
-
-std::string decimals_or_dash(double value, int digits) {
-    return std::isfinite(value) ? decimals(value, digits) : "–";
-}
-
-std::string significant(double value) {
-    if (!std::isfinite(value)) return "n/a";
-    if (value == 0) return "0";
-    const double rounded =
-        std::strtod(fmt::format("{:.2e}", value).c_str(), nullptr);  // 9.999 has become 10
-    const int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded))));
-    if (exponent < -3 || exponent > 4) return fmt::format("{:.2e}", value);
-    return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 5));
-}
-
 std::string region_name(const RecoveryResult& result, Index region) {
     for (const RegionResult& r : result.regions)
         if (r.region == region) return r.name;
     return fmt::format("region {}", region);
+}
+
+std::string region_colour(const RecoveryResult& result, Index region) {
+    std::size_t position = 0;
+    for (const RegionResult& r : result.regions) {
+        if (r.region == region) {
+            if (r.role == "fixed" || r.role == "background") return neutral_colour;
+            return list_colour(position);
+        }
+        if (r.role != "fixed" && r.role != "background") ++position;
+    }
+    return neutral_colour;
 }
 
 double total_seconds(const RecoveryResult& result) {

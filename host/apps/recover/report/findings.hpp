@@ -6,19 +6,15 @@
 #include <vector>
 
 #include "host/apps/recover/result/recovery_result.hpp"
+#include "host/page/numbers.hpp"
 
 namespace palpate {
 
-/// A number as people read it: three significant digits, no exponent between 0.001 and 99999;
-/// "n/a" if it is not finite.
-std::string significant(double value);
-/// A number with fixed decimals; "n/a" if it is not finite.
-std::string decimals(double value, int digits);
-/// The same for a table, with a dash for what does not exist.
-std::string decimals_or_dash(double value, int digits);
-
 /// The name of a region of the result; "region N" if it has none.
 std::string region_name(const RecoveryResult& result, Index region);
+/// The colour of a region in every picture, "#rrggbb", told apart by colour-blind readers; fixed
+/// organs are grey.
+std::string region_colour(const RecoveryResult& result, Index region);
 /// Sum of the stages.
 double total_seconds(const RecoveryResult& result);
 /// How the known tissue is called to which an unknown modulus is compared; null if there is none.

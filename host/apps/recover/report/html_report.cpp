@@ -8,11 +8,12 @@
 #include "host/apps/recover/report/findings.hpp"
 #include "host/apps/recover/report/html_tables.hpp"
 #include "host/apps/recover/report/label_volumes.hpp"
-#include "host/apps/recover/report/markup.hpp"
 #include "host/apps/recover/report/report_plots.hpp"
 #include "host/apps/recover/report/shown_picture.hpp"
 #include "host/apps/recover/report/static_slices.hpp"
 #include "host/apps/recover/report/viewer_data.hpp"
+#include "host/page/assets.hpp"
+#include "host/page/markup.hpp"
 
 namespace palpate {
 namespace {
@@ -121,7 +122,7 @@ std::string html_report(const RecoveryResult& result, bool include_file_names,
     const std::string figures = profile_figures(result) + convergence_figures(result);
     return fill_template(
         report_html_template(),
-        {{"css", std::string(report_css())},
+        {{"css", std::string(page_css())},
          {"version", escape_html(result.version)},
          {"headline", headline_html(result)},
          {"inputs", inputs_line(result, include_file_names)},

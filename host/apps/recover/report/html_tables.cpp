@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/markup.hpp"
+#include "host/page/markup.hpp"
 
 namespace palpate {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/interval_chart.hpp"
-#include "host/apps/recover/report/markup.hpp"
-#include "host/apps/recover/report/plot.hpp"
+#include "host/page/interval_chart.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

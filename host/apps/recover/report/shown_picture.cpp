@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/apps/recover/report/packing.hpp"
-#include "host/apps/recover/report/png.hpp"
+#include "host/page/packing.hpp"
+#include "host/page/png.hpp"
 
 namespace palpate {
 namespace {

@@ -7,9 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/apps/recover/report/markup.hpp"
-#include "host/apps/recover/report/packing.hpp"
-#include "host/apps/recover/report/png.hpp"
+#include "host/apps/recover/report/findings.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/packing.hpp"
+#include "host/page/png.hpp"
 
 namespace palpate {
 namespace {

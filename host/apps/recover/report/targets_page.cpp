@@ -10,8 +10,9 @@
 #include "host/apps/recover/report/assets.hpp"
 #include "host/apps/recover/report/findings.hpp"
 #include "host/apps/recover/report/html_tables.hpp"
-#include "host/apps/recover/report/interval_chart.hpp"
-#include "host/apps/recover/report/markup.hpp"
+#include "host/page/assets.hpp"
+#include "host/page/interval_chart.hpp"
+#include "host/page/markup.hpp"
 
 namespace palpate {
 namespace {
@@ -128,7 +129,7 @@ std::string summary_of(const std::vector<TargetRow>& rows) {
 std::string targets_page(const std::vector<TargetRow>& rows, const std::string& version) {
     std::string charts;
     for (const std::string& name : region_names(rows)) charts += chart_of(rows, name);
-    return fill_template(targets_html_template(), {{"css", std::string(report_css())},
+    return fill_template(targets_html_template(), {{"css", std::string(page_css())},
                                                    {"version", escape_html(version)},
                                                    {"headline", escape_html(headline_of(rows))},
                                                    {"summary", escape_html(summary_of(rows))},

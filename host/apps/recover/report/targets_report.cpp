@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/plain_text.hpp"
 #include "host/apps/recover/report/result_folder.hpp"
+#include "host/page/plain_text.hpp"
 
 namespace palpate {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/plain_text.hpp"
+#include "host/page/plain_text.hpp"
 
 namespace palpate {
 namespace {

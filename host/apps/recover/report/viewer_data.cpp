@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/apps/recover/report/findings.hpp"
-#include "host/apps/recover/report/markup.hpp"
-#include "host/apps/recover/report/packing.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/packing.hpp"
 
 namespace palpate {
 namespace {

@@ -6,8 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "host/apps/recover/result/recovery_result.hpp"
-
 namespace palpate {
 
 /// Text made safe as HTML content and as an attribute in double quotes; control characters and
@@ -21,8 +19,7 @@ std::string fill_template(std::string_view text, const std::map<std::string, std
 /// Colour number `position` of lists, "#rrggbb", told apart by colour-blind readers; repeats.
 std::string list_colour(std::size_t position);
 
-/// The colour of a region in every picture, "#rrggbb", told apart by colour-blind readers; fixed
-/// organs are grey.
-std::string region_colour(const RecoveryResult& result, Index region);
+/// Of what is given or held, as CSS.
+inline constexpr const char* neutral_colour = "#8b939b";
 
 }  // namespace palpate

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/report/legend.hpp"
+#include "host/page/legend.hpp"
 
 #include <fmt/format.h>
 
-#include "host/apps/recover/report/markup.hpp"
+#include "host/page/markup.hpp"
 
 namespace palpate {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/report/markup.hpp"
+#include "host/page/markup.hpp"
 
 #include <array>
 
@@ -10,7 +10,6 @@ namespace palpate {
 namespace {
 
 constexpr const char* replacement = "\xef\xbf\xbd";  // U+FFFD in UTF-8
-constexpr const char* fixed_colour = "#8b939b";
 /// After Okabe and Ito (2008), the blue lightened and the yellow darkened for dark and light paper.
 constexpr std::array<const char*, 7> palette{"#d55e00", "#2f86c9", "#009e73", "#cc79a7",
                                              "#c79a00", "#56b4e9", "#8a63c9"};
@@ -86,17 +85,5 @@ std::string fill_template(std::string_view text, const std::map<std::string, std
 }
 
 std::string list_colour(std::size_t position) { return palette[position % palette.size()]; }
-
-std::string region_colour(const RecoveryResult& result, Index region) {
-    std::size_t position = 0;
-    for (const RegionResult& r : result.regions) {
-        if (r.region == region) {
-            if (r.role == "fixed" || r.role == "background") return fixed_colour;
-            return palette[position % palette.size()];
-        }
-        if (r.role != "fixed" && r.role != "background") ++position;
-    }
-    return fixed_colour;
-}
 
 }  // namespace palpate

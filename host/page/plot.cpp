@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/report/plot.hpp"
+#include "host/page/plot.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/apps/recover/report/markup.hpp"
+#include "host/page/markup.hpp"
 
 namespace palpate {
 namespace {

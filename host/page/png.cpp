@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/report/png.hpp"
+#include "host/page/png.hpp"
 
 #include <png.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/report/plain_text.hpp"
+#include "host/page/plain_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/report/interval_chart.hpp"
+#include "host/page/interval_chart.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <functional>
 
-#include "host/apps/recover/report/markup.hpp"
-#include "host/apps/recover/report/plot.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/plot.hpp"
 
 namespace palpate {
 namespace {

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+namespace palpate {
+
+/// Files of `assets/`, compiled in (EmbedText.cmake).
+std::string_view page_css();
+std::string_view slice_viewer_js();
+std::string_view surface_viewer_js();
+
+}  // namespace palpate
