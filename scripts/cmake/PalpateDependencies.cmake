@@ -12,7 +12,6 @@ find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)
 find_package(NLopt 2.7 REQUIRED)
 find_package(BLAS REQUIRED)    # OpenBLAS picks its kernels for the processor at run time
 find_package(fmt REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
