@@ -112,13 +112,14 @@ def _run_joint(folder):
 
 
 def _run_published(folder):
-    """The published baseline's search, which has neither interval nor verdict."""
+    """The published baseline's search, which has neither interval nor verdict. Its line search ends in noise: of three
+    processors' kernels one ended at 44 kPa, two at 69 and 70."""
     labels = PHANTOMS / "usual"
     out = _recover(folder, labels / "reference.nii.gz", labels / "target.nii.gz", "--config", labels / "organs.toml",
                    "--method", "nested-lbfgs", "--nodes", 2500, "--max-iterations", 12, can_fail_to_converge=True)
     report = _read(out / "result.json")
     found = next(region for region in report["regions"] if region["unknown"])
-    return {"stiffness_kpa": [found["stiffness_kpa"], 0.02 * found["stiffness_kpa"]]}
+    return {"stiffness_kpa": [found["stiffness_kpa"], 0.45 * found["stiffness_kpa"]]}
 
 
 def _run_mr_pair(folder):

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/apps/phantom/random_numbers.hpp"
+#include "host/apps/recover/report/findings.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/pelvis_case.hpp"
 #include "host/apps/study/statistics.hpp"

@@ -15,6 +15,7 @@
 #include "host/geometry/warping/point_table.hpp"
 #include "host/geometry/warping/warp_volume.hpp"
 #include "host/io/files.hpp"
+#include "host/io/output_folder.hpp"
 #include "host/io/volume_files.hpp"
 
 namespace palpate {

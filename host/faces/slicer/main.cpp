@@ -14,6 +14,7 @@
 #include "host/faces/slicer/progress_tags.hpp"
 #include "host/faces/slicer/recover_module.hpp"
 #include "host/io/files.hpp"
+#include "host/io/output_folder.hpp"
 #include "host/system/blas_kernels.hpp"
 #include "host/system/interrupt.hpp"
 #include "host/system/memory_limit.hpp"

@@ -14,6 +14,7 @@
 #include "host/apps/recover/report/result_folder.hpp"
 #include "host/apps/recover/report/vtk_report.hpp"
 #include "host/io/files.hpp"
+#include "host/io/output_folder.hpp"
 #include "host/io/volume_files.hpp"
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"

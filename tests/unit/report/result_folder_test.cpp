@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/geometry/meshing/mesh_files.hpp"
+#include "host/io/output_folder.hpp"
 #include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"

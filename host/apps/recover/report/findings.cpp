@@ -6,7 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+
+#include "host/page/markup.hpp"
 
 namespace palpate {
 namespace {
