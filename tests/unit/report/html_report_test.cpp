@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/apps/recover/report/findings.hpp"
+#include "host/page/markup.hpp"
 #include "solver/base/error.hpp"
 #include "tests/unit/report/holds.hpp"
 #include "tests/unit/report/synthetic_result.hpp"
