@@ -39,6 +39,8 @@ public:
     bool is_indefinite() const { return solver_->is_indefinite(); }
     /// Why the last factorisation or solve failed.
     const std::string& failure() const { return solver_->failure(); }
+    /// Who solves, and why so.
+    LinearSolverInfo solver() const { return solver_->describe(); }
     /// A norm of forces that says nothing: what rounding of u leaves of K u.
     double force_of_rounding(const Eigen::VectorXd& u) const;
     /// x with K_ff x_f = r_f - K_fp x_p: x [3 num_nodes] holds x_p at prescribed dofs on entry.

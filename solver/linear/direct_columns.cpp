@@ -125,12 +125,7 @@ void DirectColumns::add_correction(const Columns& r, Columns& u) const {
 }
 
 LinearSolverInfo DirectColumns::describe(const std::string& reason) const {
-    BackendInfo host;
-    host.backend = "reference";
-    host.device = "host";
-    host.compute_units = num_host_threads();
-    host.version = factor_->library();
-    return {host, LinearMethod::direct, factor_->library(), reason};
+    return host_factor_info(factor_->library(), reason);
 }
 
 }  // namespace palpate

@@ -81,6 +81,9 @@ public:
 
     bool is_indefinite() const override { return is_indefinite_; }
     const std::string& failure() const override { return failure_; }
+    LinearSolverInfo describe() const override {
+        return {backend_->describe(), options_.method, "", "asked for"};
+    }
 
 private:
     bool finds_indefinite(const std::string& failure) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solver/linear/linear_solver.hpp"
 
+#include "solver/base/parallel.hpp"
+
 namespace palpate {
 
 const char* name_of(LinearMethod method) {
@@ -16,6 +18,15 @@ const char* name_of(LinearMethod method) {
             return "direct";
     }
     return "";
+}
+
+LinearSolverInfo host_factor_info(const std::string& library, const std::string& reason) {
+    BackendInfo host;
+    host.backend = "reference";
+    host.device = "host";
+    host.compute_units = num_host_threads();
+    host.version = library;
+    return {host, LinearMethod::direct, library, reason};
 }
 
 }  // namespace palpate

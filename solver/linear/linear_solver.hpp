@@ -55,6 +55,9 @@ struct LinearSolverInfo {
     std::string reason;   ///< one clause: why this method
 };
 
+/// A factorisation on the host with `library` (name and version).
+LinearSolverInfo host_factor_info(const std::string& library, const std::string& reason);
+
 /// Solves K x = b for the constrained K of one model (identity at prescribed dofs), any number of
 /// columns. b holds nodal forces (mN) at free dofs and the prescribed displacement (mm) at
 /// prescribed dofs.

@@ -3,6 +3,9 @@
 #include "solver/linear/matrix_solver.hpp"
 
 #include <algorithm>
+#include <mutex>
+#include <utility>
+#include <vector>
 
 #include "solver/base/error.hpp"
 #include "solver/linear/factor_libraries.hpp"
@@ -11,9 +14,10 @@
 namespace palpate {
 namespace {
 
-/// Where factorising begins to take longer than conjugate gradients, measured through PoCL on two
-/// cores (docs/performance.md).
-constexpr Index most_direct_dofs = 3000;
+/// Up to here the host factorises, measured through PoCL on two cores (docs/performance.md): at 5,000
+/// degrees of freedom a whole simulation takes 0.28 s so and 0.34 s with multigrid, at 15,000 0.85 s and
+/// 0.75 s.
+constexpr std::size_t most_direct_dofs = 8000;
 
 class FactorSolver final : public MatrixSolver {
 public:
@@ -64,6 +68,9 @@ public:
 
     bool is_indefinite() const override { return is_indefinite_; }
     const std::string& failure() const override { return failure_; }
+    LinearSolverInfo describe() const override {
+        return host_factor_info(factor_->library(), "asked for");
+    }
 
 private:
     FreeDofs free_;
@@ -71,6 +78,94 @@ private:
     bool is_analysed_ = false;
     bool is_indefinite_ = false;
     std::string failure_;
+};
+
+/// Multigrid on a back end until it fails where a factor does not; from then on the factor.
+class AutomaticSolver final : public MatrixSolver {
+public:
+    AutomaticSolver(const MatrixSolverMesh& mesh, const MatrixSolverOptions& options)
+        : options_(options),
+          nodes_(mesh.nodes.begin(), mesh.nodes.end()),
+          prescribed_(mesh.prescribed.begin(), mesh.prescribed.end()),
+          matrix_{.graph = mesh.graph,
+                  .num_columns = static_cast<Index>(mesh.nodes.size()),
+                  .blocks = {}} {
+        const std::string size = std::to_string(prescribed_.size()) + " degrees of freedom: ";
+        if (options.backend == "reference")
+            factorise_because("the reference back end solves directly");
+        else if (prescribed_.size() <= most_direct_dofs)
+            factorise_because(size + "factorising on the host is cheapest");
+        else
+            use_device_because(size + "a factorisation would not pay");
+    }
+
+    bool set(const BlockMatrix& matrix, double shift) override {
+        if (!device_) return factor_->set(matrix, shift);
+        matrix_.blocks = matrix.blocks;
+        shift_ = shift;
+        is_indefinite_ = false;
+        return device_->set(matrix, shift) || fall_back();
+    }
+
+    bool solve(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) override {
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            if (device_ && device_->solve(right, x)) return true;
+            if (device_ && !fall_back()) return false;
+        }
+        return factor_->solve(right, x);  // from any number of threads
+    }
+
+    bool is_indefinite() const override {
+        return device_ ? is_indefinite_ : factor_->is_indefinite();
+    }
+    const std::string& failure() const override { return factor_ ? factor_->failure() : none_; }
+    LinearSolverInfo describe() const override {
+        LinearSolverInfo info = device_ ? device_->describe() : factor_->describe();
+        info.reason = reason_;
+        return info;
+    }
+
+private:
+    MatrixSolverMesh mesh() const { return {nodes_, prescribed_, matrix_.graph}; }
+
+    void factorise_because(const std::string& reason) {
+        factor_ = make_factor_solver(mesh(), options_);
+        reason_ = reason;
+    }
+
+    void use_device_because(const std::string& reason) {
+        options_.method = LinearMethod::multigrid;
+        try {
+            device_ = make_gradient_solver(mesh(), options_);
+            reason_ = reason;
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::device_unavailable) throw;
+            factorise_because(std::string("no device: ") + error.what());
+        }
+    }
+
+    /// Whether the matrix that the device failed at has a factor: it then serves from now on.
+    bool fall_back() {
+        const std::string failure = device_->failure();
+        if (!factor_) factor_ = make_factor_solver(mesh(), options_);
+        is_indefinite_ = !factor_->set(matrix_, shift_);
+        if (is_indefinite_) return false;  // both agree
+        device_.reset();
+        reason_ = "the device gave up: " + failure;
+        return true;
+    }
+
+    MatrixSolverOptions options_;
+    std::vector<Vec3> nodes_;
+    std::vector<std::uint8_t> prescribed_;
+    BlockMatrix matrix_;  ///< that `set` brought
+    double shift_ = 0;
+    std::unique_ptr<MatrixSolver> device_;  ///< while it serves
+    std::unique_ptr<MatrixSolver> factor_;
+    std::mutex mutex_;
+    bool is_indefinite_ = false;
+    std::string reason_, none_;
 };
 
 }  // namespace
@@ -82,12 +177,23 @@ std::unique_ptr<MatrixSolver> make_factor_solver(const MatrixSolverMesh& mesh,
 
 std::unique_ptr<MatrixSolver> make_matrix_solver(const MatrixSolverMesh& mesh,
                                                  const MatrixSolverOptions& options) {
-    MatrixSolverOptions chosen = options;
-    if (chosen.method == LinearMethod::automatic)
-        chosen.method = mesh.prescribed.size() > most_direct_dofs ? LinearMethod::multigrid
-                                                                  : LinearMethod::direct;
-    if (chosen.method == LinearMethod::direct) return make_factor_solver(mesh, chosen);
-    return make_gradient_solver(mesh, chosen);
+    switch (options.method) {
+        case LinearMethod::automatic:
+            return std::make_unique<AutomaticSolver>(mesh, options);
+        case LinearMethod::direct:
+            return make_factor_solver(mesh, options);
+        default:
+            return make_gradient_solver(mesh, options);
+    }
+}
+
+MatrixSolverOptions matrix_solver_options(const LinearSolverOptions& options) {
+    MatrixSolverOptions chosen;
+    chosen.method = options.method;
+    chosen.direct_library = options.direct_library;
+    chosen.backend = options.backend;
+    chosen.device = options.device;
+    return chosen;
 }
 
 }  // namespace palpate

@@ -15,13 +15,18 @@ namespace palpate {
 
 /// How a tangent is solved with.
 struct MatrixSolverOptions {
-    LinearMethod method = LinearMethod::direct;  ///< `automatic`: by size
-    std::string direct_library = {};             ///< of a factorisation, see `make_sparse_factor`
-    std::string backend = "opencl";              ///< where conjugate gradients run
+    /// `automatic`: factorised on the host where that is small, else multigrid on the back end; the
+    /// host again where there is no device, or where conjugate gradients fail.
+    LinearMethod method = LinearMethod::direct;
+    std::string direct_library = {};  ///< of a factorisation, see `make_sparse_factor`
+    std::string backend = "opencl";   ///< where conjugate gradients run
     BackendOptions device = {};
     double relative_tolerance = 1e-4;  ///< of conjugate gradients; Newton's method refines
     int max_iterations = 2000;         ///< of conjugate gradients
 };
+
+/// The same method, back end and library for tangents; tolerances stay those of Newton's method.
+MatrixSolverOptions matrix_solver_options(const LinearSolverOptions& options);
 
 /// Solves with a symmetric matrix of 3x3 blocks on the free dofs of a mesh, again and again with
 /// new values: the tangent of Newton's method, which may turn out not to be positive definite.
@@ -41,6 +46,8 @@ public:
     virtual bool is_indefinite() const = 0;
     /// Why the last `set` or `solve` failed.
     virtual const std::string& failure() const = 0;
+    /// Who solves at present, and why so.
+    virtual LinearSolverInfo describe() const = 0;
 };
 
 /// The mesh that the matrices belong to.
@@ -50,7 +57,8 @@ struct MatrixSolverMesh {
     const Adjacency& graph;                    ///< of the matrices
 };
 
-/// Copies what it needs of `mesh`. Throws as `make_sparse_factor` and `make_backend` do.
+/// Copies what it needs of `mesh`. Throws as `make_sparse_factor` and, if the method is not
+/// `automatic`, `make_backend` do.
 std::unique_ptr<MatrixSolver> make_matrix_solver(const MatrixSolverMesh& mesh,
                                                  const MatrixSolverOptions& options);
 

@@ -203,13 +203,67 @@ TEST_P(EquilibriumContract, TooFewIterationsAreSaid) {
 INSTANTIATE_TEST_SUITE_P(EverySolver, EquilibriumContract, testing::ValuesIn(every_solver()),
                          solver_name);
 
-TEST(MatrixSolver, AutomaticFactorisesSmallSystems) {
-    const LoadedModel work =
-        between_plates(solid_model(solid_meshes()[0], solid_materials()[1]), Vec3(0, 0, -0.2));
-    EquilibriumOptions options;
-    options.linear = {.method = LinearMethod::automatic, .backend = "no such back end"};
+/// Plates 0.2 mm closer; `cells` per edge.
+LoadedModel pressed_box(Index cells) {
+    return between_plates(
+        solid_model(solid_mesh_of(box_mesh({cells, cells, cells}, Vec3(2, 2, 2))),
+                    solid_materials()[1]),
+        Vec3(0, 0, -0.2));
+}
 
-    EXPECT_TRUE(solve_equilibrium(SolidAssembly(work.model), work.loads, options).converged);
+constexpr Index few_cells = 4, many_cells = 14;  // 375 and 10,125 degrees of freedom
+
+LinearSolverInfo solver_of(const LoadedModel& work, const MatrixSolverOptions& linear) {
+    EquilibriumOptions options;
+    options.linear = linear;
+    const SolidAssembly solid(work.model);
+    const Equilibrium found = solve_equilibrium(solid, work.loads, options);
+    EXPECT_TRUE(found.converged) << found.message;
+    return found.tangent->solver();
+}
+
+TEST(AutomaticEquilibrium, FactorisesSmallSystemsWithoutADevice) {
+    const LinearSolverInfo used =
+        solver_of(pressed_box(few_cells),
+                  {.method = LinearMethod::automatic, .backend = "no such back end"});
+
+    EXPECT_EQ(used.method, LinearMethod::direct);
+    EXPECT_EQ(used.device.device, "host");
+    EXPECT_NE(used.reason.find("375 degrees"), std::string::npos) << used.reason;
+}
+
+TEST(AutomaticEquilibrium, TakesTheDeviceForLargeOnes) {
+    const std::string backend = backend_names().front();
+    if (const auto reason = reason_to_skip(backend, {})) GTEST_SKIP() << *reason;
+
+    const LinearSolverInfo used = solver_of(
+        pressed_box(many_cells), {.method = LinearMethod::automatic, .backend = backend});
+
+    EXPECT_EQ(used.method, LinearMethod::multigrid);
+    EXPECT_EQ(used.device.backend, backend);
+}
+
+TEST(AutomaticEquilibrium, FactorisesWhereThereIsNoSuchDevice) {
+    if (backend_names().front() != "opencl") GTEST_SKIP() << "OpenCL is not in this build";
+
+    const LinearSolverInfo used = solver_of(
+        pressed_box(many_cells),
+        {.method = LinearMethod::automatic, .device = {.device = "no device has this name"}});
+
+    EXPECT_EQ(used.method, LinearMethod::direct);
+    EXPECT_NE(used.reason.find("no device"), std::string::npos) << used.reason;
+}
+
+TEST(AutomaticEquilibrium, FactorisesWhereConjugateGradientsFail) {
+    const std::string backend = backend_names().front();
+    if (const auto reason = reason_to_skip(backend, {})) GTEST_SKIP() << *reason;
+
+    const LinearSolverInfo used = solver_of(
+        pressed_box(many_cells),
+        {.method = LinearMethod::automatic, .backend = backend, .max_iterations = 2});
+
+    EXPECT_EQ(used.method, LinearMethod::direct);
+    EXPECT_NE(used.reason.find("2 conjugate gradients"), std::string::npos) << used.reason;
 }
 
 }  // namespace

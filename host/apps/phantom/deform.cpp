@@ -90,7 +90,7 @@ Deformation deform_finite(const WallProblem& problem, TissueLaw law, double load
     constexpr double step = 0.95, least_scale = 0.05;
     const SolidAssembly solid(solid_model_of(problem.model, law));
     EquilibriumOptions solve;
-    solve.linear.direct_library = options.direct_library;
+    solve.linear = matrix_solver_options(options);
     SolidLoads loads{problem.prescribed_mm, Eigen::VectorXd::Zero(problem.model.num_dofs())};
     Deformation deformation;
     deformation.load_scale = load_factor;

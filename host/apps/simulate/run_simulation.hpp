@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,9 @@ struct SimulationResult {
     std::vector<SimulationState> states;  ///< the first is the body at rest
     std::vector<SimulationStep> steps;    ///< the last may not have converged
     double num_explicit_steps = 0, longest_explicit_step_s = 0;  ///< of a motion
-    double seconds = 0;                                          ///< of the solve
+    /// Who solved with the last tangent; none of a motion.
+    std::optional<LinearSolverInfo> tangents;
+    double seconds = 0;  ///< of the solve
 
     bool converged() const { return steps.back().converged; }
     /// What exerts forces on the body: first the supports, then the obstacles.

@@ -160,6 +160,16 @@ Json state_json(const SimulationResult& result, std::size_t k) {
             {"depth_in_obstacle_mm", depths}};
 }
 
+/// As in the result of `recover`.
+Json solver_json(const std::optional<LinearSolverInfo>& solver) {
+    if (!solver) return nullptr;
+    return {{"method", name_of(solver->method)},
+            {"library", solver->library},
+            {"backend", solver->device.backend},
+            {"device", solver->device.device},
+            {"reason", solver->reason}};
+}
+
 }  // namespace
 
 std::string simulation_json(const SimulationResult& result) {
@@ -173,6 +183,7 @@ std::string simulation_json(const SimulationResult& result) {
               {"converged", result.converged()},
               {"message", convergence_sentence(result)},
               {"seconds", number(result.seconds)},
+              {"linear_solver", solver_json(result.tangents)},
               {"settings", settings_json(result)}};
     for (const SimulationStep& step : result.steps) json["steps"].push_back(step_json(step));
     for (std::size_t k = 0; k < result.states.size(); ++k)

@@ -193,6 +193,10 @@ std::string details(const SimulationResult& result) {
     }
     add("Tolerance",
         fmt::format("relative residual {:g}", result.settings.newton.relative_tolerance));
+    if (const auto& solver = result.tangents)
+        add("Tangents", fmt::format("{}{} on {} ({})", name_of(solver->method),
+                                    solver->library.empty() ? "" : ", " + solver->library,
+                                    solver->device.device, solver->reason));
     return out + "</dl>";
 }
 

@@ -9,6 +9,7 @@
 #include "host/apps/simulate/simulation_folder.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
+#include "host/faces/cli/options.hpp"
 #include "host/faces/cli/time_limit.hpp"
 #include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 struct SimulateArguments {
     std::string model, out;
+    SolverArguments solver;
     double time_limit_s = 0;
     bool overwrite = false, quiet = false;
 };
@@ -27,7 +29,9 @@ int run_simulate(const SimulateArguments& arguments) {
     will_write(arguments.out);
     const TimeLimit limit(arguments.time_limit_s);
     const auto progress = limit.watched(console_progress(arguments.quiet));
-    const SimulationResult result = run_simulation(read_simulation(arguments.model), progress);
+    SimulationSettings settings = read_simulation(arguments.model);
+    settings.newton.linear = tangent_options(arguments.solver);
+    const SimulationResult result = run_simulation(settings, progress);
     report_progress(progress, "writing", 0, "result folder");
     write_simulation(result, arguments.out, arguments.overwrite);
     end_progress_line();
@@ -45,6 +49,7 @@ void add_simulate(CLI::App& app, Run& run) {
     command->add_option("model", arguments->model, "Mesh, tissues and loads (TOML)")->required();
     command->add_option("--out", arguments->out, "Result folder, made new")->required();
     command->add_flag("--overwrite", arguments->overwrite, "Replace an older result folder");
+    add_tangent_options(*command, arguments->solver);
     add_time_limit_option(*command, arguments->time_limit_s);
     command->add_flag("--quiet", arguments->quiet, "No progress");
     command->callback(

@@ -27,9 +27,24 @@ std::vector<std::string> factorisation_choices() {
     return choices;
 }
 
+LinearSolverOptions unchecked_options(const SolverArguments& arguments) {
+    LinearSolverOptions options;
+    options.backend =
+        arguments.backend == "auto" ? backend_registry().front().name : arguments.backend;
+    options.device.device = arguments.device;
+    options.device.precision =
+        arguments.precision == "double" ? Precision::double_ : Precision::single;
+    for (Product product :
+         {Product::automatic, Product::assembled, Product::matrix_free, Product::recomputed})
+        if (name_of(product) == arguments.product) options.device.product = product;
+    options.method = method_named(arguments.linear_solver);
+    if (arguments.factorisation != "auto") options.direct_library = arguments.factorisation;
+    return options;
+}
+
 }  // namespace
 
-void add_solver_options(CLI::App& command, SolverArguments& arguments) {
+void add_tangent_options(CLI::App& command, SolverArguments& arguments) {
     command
         .add_option("--backend", arguments.backend,
                     "Who computes: auto (the first of these), or one of this build: OpenCL, Kokkos "
@@ -45,12 +60,6 @@ void add_solver_options(CLI::App& command, SolverArguments& arguments) {
         ->check(CLI::IsMember({"single", "double"}))
         ->capture_default_str();
     command
-        .add_option("--product", arguments.product,
-                    "Stiffness product on the device: assembled, matrix-free (stored gradients), "
-                    "recomputed (from node positions), or auto: the fastest, measured at first use")
-        ->check(CLI::IsMember({"auto", "assembled", "matrix-free", "recomputed"}))
-        ->capture_default_str();
-    command
         .add_option("--linear-solver", arguments.linear_solver,
                     "How equations are solved: auto (by size, number of columns and device), "
                     "multigrid (large meshes), jacobi (little memory), or direct (on the host; "
@@ -62,6 +71,16 @@ void add_solver_options(CLI::App& command, SolverArguments& arguments) {
                     "Library of direct solves: auto (the first of these), or one of this build: "
                     "mumps, cholmod (GPL), eigen (slow)")
         ->check(CLI::IsMember(factorisation_choices()))
+        ->capture_default_str();
+}
+
+void add_solver_options(CLI::App& command, SolverArguments& arguments) {
+    add_tangent_options(command, arguments);
+    command
+        .add_option("--product", arguments.product,
+                    "Stiffness product on the device: assembled, matrix-free (stored gradients), "
+                    "recomputed (from node positions), or auto: the fastest, measured at first use")
+        ->check(CLI::IsMember({"auto", "assembled", "matrix-free", "recomputed"}))
         ->capture_default_str();
 }
 
@@ -83,19 +102,19 @@ void add_mesher_options(CLI::App& command, MesherArguments& arguments) {
 }
 
 LinearSolverOptions solver_options(const SolverArguments& arguments) {
-    LinearSolverOptions options;
-    options.backend =
-        arguments.backend == "auto" ? backend_registry().front().name : arguments.backend;
-    options.device.device = arguments.device;
-    options.device.precision =
-        arguments.precision == "double" ? Precision::double_ : Precision::single;
-    for (Product product :
-         {Product::automatic, Product::assembled, Product::matrix_free, Product::recomputed})
-        if (name_of(product) == arguments.product) options.device.product = product;
-    options.method = method_named(arguments.linear_solver);
-    if (arguments.factorisation != "auto") options.direct_library = arguments.factorisation;
+    const LinearSolverOptions options = unchecked_options(arguments);
     make_backend(options.backend, options.device);  // a missing device is told before any work
     return options;
+}
+
+MatrixSolverOptions tangent_options(const SolverArguments& arguments) {
+    const LinearSolverOptions options = unchecked_options(arguments);
+    const bool is_by_name = arguments.backend != "auto" || !arguments.device.empty() ||
+                            options.method == LinearMethod::multigrid ||
+                            options.method == LinearMethod::jacobi;
+    if (is_by_name && options.method != LinearMethod::direct)
+        make_backend(options.backend, options.device);
+    return matrix_solver_options(options);
 }
 
 MesherOptions mesher_options(const MesherArguments& arguments) {

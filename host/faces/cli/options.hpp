@@ -8,6 +8,7 @@
 
 #include "host/geometry/meshing/mesher.hpp"
 #include "solver/linear/linear_solver.hpp"
+#include "solver/linear/matrix_solver.hpp"
 
 namespace palpate {
 
@@ -29,11 +30,17 @@ struct MesherArguments {
 };
 
 void add_solver_options(CLI::App& command, SolverArguments& arguments);
+/// Those of them that tangents at large deformation know: all but --product.
+void add_tangent_options(CLI::App& command, SolverArguments& arguments);
 void add_mesher_options(CLI::App& command, MesherArguments& arguments);
 
 /// "auto" takes OpenCL if this build has it. Throws Error(device_unavailable) if it then finds no
 /// device: nothing falls back silently.
 LinearSolverOptions solver_options(const SolverArguments& arguments);
+/// "auto" needs no device: the host factorises where there is none. A back end, a device or
+/// conjugate gradients that were asked for by name are looked for before any work, and Error(device_unavailable) says
+/// that they are missing.
+MatrixSolverOptions tangent_options(const SolverArguments& arguments);
 MesherOptions mesher_options(const MesherArguments& arguments);
 
 }  // namespace palpate
