@@ -44,8 +44,9 @@ ALLOWED = {
     "host/system": SOLVER,
     "host/io": FILES,
     "host/page": ["solver/base"],
+    "host/estimate": ["solver/base"],
     "host/apps/phantom": GEOMETRY + RECOVER[:1],
-    "host/apps/study": PAGES + RECOVER + ["host/apps/phantom"],
+    "host/apps/study": PAGES + ["host/estimate"] + RECOVER + ["host/apps/phantom"],
     "host/apps/simulate": PAGES,
     "host/apps/export": PAGES + RECOVER[:5],
     "host/faces/cli": PAGES + RECOVER + [f"host/apps/{name}" for name in ("phantom", "study", "simulate", "export")],
@@ -57,7 +58,7 @@ for position, folder in enumerate(GEOMETRY):
     if folder.startswith("host/geometry"):
         ALLOWED[folder] = GEOMETRY[:position]
 for position, station in enumerate(RECOVER):
-    ALLOWED[station] = PAGES + RECOVER[:position]
+    ALLOWED[station] = PAGES + ["host/estimate"] + RECOVER[:position]
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+"((?:solver|host|kernels|tests)/[^"]+)"')
 

@@ -14,9 +14,9 @@
 namespace palpate {
 namespace {
 
-/// Up to here the host factorises, measured through PoCL on two cores (docs/performance.md): at 5,000
-/// degrees of freedom a whole simulation takes 0.28 s so and 0.34 s with multigrid, at 15,000 0.85 s and
-/// 0.75 s.
+/// Up to here the host factorises, measured through PoCL on two cores (docs/performance.md): at
+/// 5,000 degrees of freedom a whole simulation takes 0.28 s so and 0.34 s with multigrid, at 15,000
+/// 0.85 s and 0.75 s.
 constexpr std::size_t most_direct_dofs = 8000;
 
 class FactorSolver final : public MatrixSolver {

@@ -205,10 +205,9 @@ INSTANTIATE_TEST_SUITE_P(EverySolver, EquilibriumContract, testing::ValuesIn(eve
 
 /// Plates 0.2 mm closer; `cells` per edge.
 LoadedModel pressed_box(Index cells) {
-    return between_plates(
-        solid_model(solid_mesh_of(box_mesh({cells, cells, cells}, Vec3(2, 2, 2))),
-                    solid_materials()[1]),
-        Vec3(0, 0, -0.2));
+    return between_plates(solid_model(solid_mesh_of(box_mesh({cells, cells, cells}, Vec3(2, 2, 2))),
+                                      solid_materials()[1]),
+                          Vec3(0, 0, -0.2));
 }
 
 constexpr Index few_cells = 4, many_cells = 14;  // 375 and 10,125 degrees of freedom
@@ -223,9 +222,8 @@ LinearSolverInfo solver_of(const LoadedModel& work, const MatrixSolverOptions& l
 }
 
 TEST(AutomaticEquilibrium, FactorisesSmallSystemsWithoutADevice) {
-    const LinearSolverInfo used =
-        solver_of(pressed_box(few_cells),
-                  {.method = LinearMethod::automatic, .backend = "no such back end"});
+    const LinearSolverInfo used = solver_of(
+        pressed_box(few_cells), {.method = LinearMethod::automatic, .backend = "no such back end"});
 
     EXPECT_EQ(used.method, LinearMethod::direct);
     EXPECT_EQ(used.device.device, "host");
@@ -236,8 +234,8 @@ TEST(AutomaticEquilibrium, TakesTheDeviceForLargeOnes) {
     const std::string backend = backend_names().front();
     if (const auto reason = reason_to_skip(backend, {})) GTEST_SKIP() << *reason;
 
-    const LinearSolverInfo used = solver_of(
-        pressed_box(many_cells), {.method = LinearMethod::automatic, .backend = backend});
+    const LinearSolverInfo used =
+        solver_of(pressed_box(many_cells), {.method = LinearMethod::automatic, .backend = backend});
 
     EXPECT_EQ(used.method, LinearMethod::multigrid);
     EXPECT_EQ(used.device.backend, backend);
@@ -258,9 +256,9 @@ TEST(AutomaticEquilibrium, FactorisesWhereConjugateGradientsFail) {
     const std::string backend = backend_names().front();
     if (const auto reason = reason_to_skip(backend, {})) GTEST_SKIP() << *reason;
 
-    const LinearSolverInfo used = solver_of(
-        pressed_box(many_cells),
-        {.method = LinearMethod::automatic, .backend = backend, .max_iterations = 2});
+    const LinearSolverInfo used =
+        solver_of(pressed_box(many_cells),
+                  {.method = LinearMethod::automatic, .backend = backend, .max_iterations = 2});
 
     EXPECT_EQ(used.method, LinearMethod::direct);
     EXPECT_NE(used.reason.find("2 conjugate gradients"), std::string::npos) << used.reason;

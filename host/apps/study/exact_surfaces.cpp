@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/pipeline/mechanics.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/exact_observations.hpp"
@@ -45,7 +45,7 @@ MapEstimate recover_from_surfaces(const Truth& truth, const StudyOptions& option
         make_mechanics(mesh, phantom.settings, solver, exact, timer, progress);
     const SurfaceObservations observations =
         exact_observations(mechanics.recovery, phantom, first_noise_mm);
-    return map_estimate(mechanics.response, mechanics.walls, observations, mechanics.priors,
+    return map_estimate(mechanics.response, mechanics.walls, observations, mechanics.unknowns,
                         exact_search(first_noise_mm), progress);
 }
 
@@ -55,7 +55,7 @@ Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& 
     const double kpa = std::exp(found.theta[0]), expected = truth.options.stiffness_kpa;
     const auto interval =
         truth.is_finer ? with_model_error(found.interval_kpa[0], kpa,
-                                          std::sqrt(found.covariance(0, 0)), found.unknown[0].sd_ln)
+                                          std::sqrt(found.covariance(0, 0)), found.unknown[0].sd)
                        : found.interval_kpa[0];
     Row row;
     row.set("truth", name_of(truth));

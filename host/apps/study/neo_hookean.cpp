@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/pipeline/finite_strain.hpp"
 #include "host/apps/study/beside.hpp"
 #include "host/apps/study/exact_observations.hpp"

@@ -38,8 +38,8 @@ void add_mesher_options(CLI::App& command, MesherArguments& arguments);
 /// device: nothing falls back silently.
 LinearSolverOptions solver_options(const SolverArguments& arguments);
 /// "auto" needs no device: the host factorises where there is none. A back end, a device or
-/// conjugate gradients that were asked for by name are looked for before any work, and Error(device_unavailable) says
-/// that they are missing.
+/// conjugate gradients that were asked for by name are looked for before any work, and
+/// Error(device_unavailable) says that they are missing.
 MatrixSolverOptions tangent_options(const SolverArguments& arguments);
 MesherOptions mesher_options(const MesherArguments& arguments);
 

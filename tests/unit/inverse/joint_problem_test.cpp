@@ -29,7 +29,7 @@ struct Targets {
     }
     std::shared_ptr<const LinearisedProblem> problem(int target) const {
         return std::make_shared<LinearisedProblem>(base.response, base.walls, rows[target],
-                                                   base.driven, base.observed, base.priors);
+                                                   base.driven, base.observed, base.unknowns);
     }
     Problems problems() const {
         Problems all;
@@ -51,7 +51,7 @@ TEST(JointProblem, OfOneTargetIsItsOwn) {
     EXPECT_LT((joint.hessian(theta) - alone->hessian(theta)).norm(),
               1e-2 * alone->hessian(theta).norm());
     EXPECT_LT((joint.seen_information(theta) - alone->seen_information(theta)).norm(), 1e-9);
-    EXPECT_NEAR(joint.misfits({theta})[0], alone->misfits({theta})[0], 1e-9);
+    EXPECT_NEAR(misfits(joint, {theta})[0], misfits(*alone, {theta})[0], 1e-9);
 }
 
 /// Straight from the definition with dense matrices, e = y + G_o V s and B = -G_o V X of each.

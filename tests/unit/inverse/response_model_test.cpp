@@ -8,8 +8,8 @@
 #include <cmath>
 #include <random>
 
-#include "host/apps/recover/inverse/column_basis.hpp"
 #include "host/apps/recover/inverse/marginal.hpp"
+#include "host/estimate/column_basis.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -175,9 +175,9 @@ TEST(ResponseModel, GivesTheSameObjectiveAsTheExactModel) {
     const auto rows = chain.rows();
     const Eigen::VectorXd driven = 0.1 * chain.noise(3 * Chain::num_driven);
     const Eigen::VectorXd observed = 0.1 * chain.noise(3 * Chain::num_observed);
-    const std::vector<ModulusPrior> priors{{2, std::log(60.0), 1.2}};
-    const LinearisedProblem with_all(exact, chain.walls, rows, driven, observed, priors);
-    const LinearisedProblem with_few(compressed, chain.walls, rows, driven, observed, priors);
+    const std::vector<Unknown> unknowns{{2, std::log(60.0), 1.2}};
+    const LinearisedProblem with_all(exact, chain.walls, rows, driven, observed, unknowns);
+    const LinearisedProblem with_few(compressed, chain.walls, rows, driven, observed, unknowns);
 
     EXPECT_LT(with_few.rank(), with_all.rank());
     for (const double theta : {1.5, 4.0, 7.0}) {

@@ -19,7 +19,7 @@ struct Verdict {
 struct ModulusEvidence {
     std::array<double, 2> interval_kpa{1, 1};  ///< 95 %
     double sd_ln = 0, prior_sd_ln = 1;         ///< posterior and prior standard deviation of ln E
-    double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (uncertainty.hpp)
+    double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (posterior.hpp)
     bool excludes_soft = true, excludes_stiff = true;  ///< whether data without prior bound it
     std::string partner;  ///< the organ whose modulus correlates most; may be empty
     double partner_correlation = 0;

@@ -136,8 +136,8 @@ JointProblem::JointProblem(const std::vector<std::shared_ptr<const LinearisedPro
 
 JointProblem::~JointProblem() = default;
 
-const std::vector<ModulusPrior>& JointProblem::priors() const {
-    return targets_[0].problem->priors();
+const std::vector<Unknown>& JointProblem::unknowns() const {
+    return targets_[0].problem->unknowns();
 }
 
 JointProblem::Response JointProblem::respond(const Eigen::VectorXd& theta) const {
@@ -177,7 +177,7 @@ JointProblem::Response JointProblem::respond(const Eigen::VectorXd& theta) const
 
 double JointProblem::value(const Eigen::VectorXd& theta) const {
     const Response response = respond(theta);
-    return prior_energy(priors(), theta) + 0.5 * (response.misfit + response.log_determinant);
+    return prior_energy(unknowns(), theta) + 0.5 * (response.misfit + response.log_determinant);
 }
 
 JointProblem::Evaluation JointProblem::evaluate(const Eigen::VectorXd& theta,
@@ -206,8 +206,6 @@ std::vector<double> JointProblem::objectives(const std::vector<Eigen::VectorXd>&
     });
     return values;
 }
-
-JointProblem::Fit JointProblem::fit(const Eigen::VectorXd&) const { return {}; }
 
 Eigen::MatrixXd JointProblem::hessian(const Eigen::VectorXd& theta) const {
     constexpr double stride = 0.05;  // of ln E: second differences of F itself

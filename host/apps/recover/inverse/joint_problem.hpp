@@ -26,9 +26,9 @@ namespace palpate {
 /// What driven walls show of the reference's contours is left out: each target's walls are
 /// conditioned on their own distances. So are the reference's voxels: their noise counts as
 /// independent.
-class JointProblem : public ModulusObjective {
+class JointProblem : public Objective {
 public:
-    /// Of one reference, with the same priors, at least one; each linearised at its own estimate.
+    /// Of one reference, with the same unknowns, at least one; each linearised at its own estimate.
     explicit JointProblem(const std::vector<std::shared_ptr<const LinearisedProblem>>& targets);
     ~JointProblem() override;
 
@@ -36,11 +36,9 @@ public:
     Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const override;
     /// On all cores.
     std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const override;
-    /// Empty: the walls are those of each target.
-    Fit fit(const Eigen::VectorXd& theta) const override;
     Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const override;
     Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const override;
-    const std::vector<ModulusPrior>& priors() const override;
+    const std::vector<Unknown>& unknowns() const override;
     /// What each target alone tells of each modulus over what all tell, at most 1:
     /// [targets, unknown].
     Eigen::MatrixXd shares(const Eigen::VectorXd& theta) const;

@@ -11,11 +11,10 @@
 #include <optional>
 #include <utility>
 
-#include "host/apps/recover/inverse/anderson.hpp"
-#include "host/apps/recover/inverse/modulus_search.hpp"
 #include "host/apps/recover/inverse/surface_noise.hpp"
-#include "host/apps/recover/inverse/uncertainty.hpp"
 #include "host/apps/recover/inverse/wall_fit.hpp"
+#include "host/estimate/anderson.hpp"
+#include "host/estimate/quasi_newton.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -44,14 +43,24 @@ bool is_other(const NoiseLevel& a, const NoiseLevel& b) {
     return differs(a.scale, b.scale) || differs(a.contour_mm, b.contour_mm);
 }
 
+/// The most probable moduli of a linearisation and what fits best with them.
+struct BestModuli : Minimum {
+    LinearisedProblem::Fit fit;
+};
+
 /// A change of ln E over the posterior standard deviation that the search knows.
-Eigen::VectorXd in_standard_deviations(const Eigen::VectorXd& change, const ModulusMinimum& best) {
+Eigen::VectorXd in_standard_deviations(const Eigen::VectorXd& change, const BestModuli& best) {
     if (change.size() == 0) return change;
     const Eigen::VectorXd variance = best.hessian.inverse().diagonal();
     return change.cwiseQuotient(variance.cwiseAbs().cwiseSqrt());
 }
 
-ModulusBounds all_bounds(const MapOptions& options, Index num_unknown) {
+std::vector<double> exponentials(std::vector<double> values) {
+    for (double& value : values) value = std::exp(value);
+    return values;
+}
+
+Bounds all_bounds(const MapOptions& options, Index num_unknown) {
     return same_bounds(num_unknown, std::log(options.smallest_kpa), std::log(options.largest_kpa));
 }
 
@@ -76,7 +85,7 @@ struct Position {
     }
 };
 
-Position position_of(const ModulusMinimum& best) {
+Position position_of(const BestModuli& best) {
     return {best.fit.driven, best.fit.frame, best.theta};
 }
 
@@ -90,16 +99,16 @@ struct State : Position {
 class Search {
 public:
     Search(const ResponseModel& model, const WallPrior& walls,
-           const SurfaceObservations& observations, const std::vector<ModulusPrior>& priors,
+           const SurfaceObservations& observations, const std::vector<Unknown>& unknowns,
            const MapOptions& options, const ProgressSink& progress)
         : model_(std::shared_ptr<void>(), &model),
           walls_(std::shared_ptr<void>(), &walls),
           observations_(observations),
           noise_(observations),
-          priors_(priors),
+          unknowns_(unknowns),
           options_(options),
           progress_(progress),
-          bounds_(all_bounds(options, static_cast<Index>(priors.size()))) {}
+          bounds_(all_bounds(options, static_cast<Index>(unknowns.size()))) {}
 
     MapEstimate run();
     MapEstimate run_from(const MapEstimate& earlier);
@@ -121,19 +130,19 @@ private:
     State search_line(const State& from, const Position& to, double determinant_change,
                       double& length) const;
     FramePrior frame_of(const State& state) const;
-    State accelerated_step(const State& from, const ModulusMinimum& best,
+    State accelerated_step(const State& from, const BestModuli& best,
                            AndersonAcceleration& acceleration, bool& improved) const;
-    State blind_step(const State& from, const ModulusMinimum& best) const;
+    State blind_step(const State& from, const BestModuli& best) const;
     NoiseLevel first_level() const;
-    NoiseLevel level_for(const ModulusObjective::Fit& fit) const;
-    double scale_for(const ModulusObjective::Fit& fit) const;
-    double contour_mm_for(const ModulusObjective::Fit& fit) const;
-    ModulusMinimum best_moduli(State& state, bool is_scanned);
-    bool settle_noise(State& state, ModulusMinimum& best, bool is_scanned);
+    NoiseLevel level_for(const LinearisedProblem::Fit& fit) const;
+    double scale_for(const LinearisedProblem::Fit& fit) const;
+    double contour_mm_for(const LinearisedProblem::Fit& fit) const;
+    BestModuli best_moduli(State& state, bool is_scanned);
+    bool settle_noise(State& state, BestModuli& best, bool is_scanned);
     bool leaves_valley(State& state);
     State with_fitted_walls(State state);
     void take_walls(const std::shared_ptr<const WallPrior>& walls);
-    void record(int iteration, const State& state, const ModulusMinimum& best, double step);
+    void record(int iteration, const State& state, const BestModuli& best, double step);
     MapEstimate finish(const State& state, const Termination& termination) const;
 
     std::shared_ptr<const ResponseModel> model_;
@@ -145,17 +154,17 @@ private:
     SurfaceNoise noise_;
     Counted held_;  ///< of an earlier estimate: these rows count, with their noise. Empty: a fresh
                     ///< search.
-    const std::vector<ModulusPrior>& priors_;
+    const std::vector<Unknown>& unknowns_;
     const MapOptions& options_;
     const ProgressSink& progress_;
-    ModulusBounds bounds_;
+    Bounds bounds_;
     Eigen::MatrixXd hessian_;  ///< of F, as far as the last linearisation knew it
     std::vector<IterationRecord> records_;
 };
 
 State Search::state_at(const Position& position, const Counted& counted) const {
     std::vector<Index> unknown;
-    for (const auto& prior : priors_) unknown.push_back(prior.region);
+    for (const Unknown& one : unknowns_) unknown.push_back(one.object);
     if (!equilibrium_ || equilibrium_->first != position.theta)
         equilibrium_ = {position.theta,
                         model_->equilibrium_at(model_->moduli(unknown, position.theta))};
@@ -172,7 +181,7 @@ State Search::state_at(const Position& position, const Counted& counted) const {
 
 double Search::objective_of(const State& state) const {
     return state.counted->misfit(state.seen.residual_mm) + walls_->energy(state.driven) +
-           state.counted->energy(state.frame) + prior_energy(priors_, state.theta);
+           state.counted->energy(state.frame) + prior_energy(unknowns_, state.theta);
 }
 
 State Search::recounted(State state) const {
@@ -188,7 +197,7 @@ std::vector<LinearRow> Search::rows_of(const State& state) const {
 LinearisedProblem Search::linearise(const State& state) const {
     check_cancelled(progress_);
     return LinearisedProblem(*model_, *walls_, rows_of(state), state.driven, state.observed,
-                             priors_, frame_of(state));
+                             unknowns_, frame_of(state));
 }
 
 FramePrior Search::frame_of(const State& state) const {
@@ -257,18 +266,18 @@ State Search::search_line(const State& from, const Position& to, double determin
 }
 
 /// Tries the accelerated iterate first; the line search where that does not go down.
-State Search::accelerated_step(const State& from, const ModulusMinimum& best,
+State Search::accelerated_step(const State& from, const BestModuli& best,
                                AndersonAcceleration& acceleration, bool& improved) const {
     const Index n = model_->driven_dofs();
-    const double determinant_change = best.log_determinant - best.start_log_determinant;
+    const double determinant_change = best.end.log_determinant - best.start.log_determinant;
     const Position to = position_of(best);
     const Eigen::VectorXd point = from.scaled();
     const Eigen::VectorXd proposal = acceleration.next(point, to.scaled() - point);
     improved = true;
     if (acceleration.has_history()) {
         const Eigen::VectorXd theta = (proposal.tail(from.theta.size()) / mm_per_unit_ln)
-                                          .cwiseMax(bounds_.lower_ln)
-                                          .cwiseMin(bounds_.upper_ln);
+                                          .cwiseMax(bounds_.lower)
+                                          .cwiseMin(bounds_.upper);
         State trial = state_at({proposal.head(n), proposal.segment<6>(n), theta}, from.counted);
         const double allowed = from.objective - 0.5 * determinant_change + acceptable_rise;
         if (std::isfinite(trial.objective) && trial.objective <= allowed) return trial;
@@ -282,7 +291,7 @@ State Search::accelerated_step(const State& from, const ModulusMinimum& best,
 
 /// Half the Gauss-Newton step, whatever the objective says: where closest points jump between the
 /// facets of a target, the objective has kinks at which no line search goes down.
-State Search::blind_step(const State& from, const ModulusMinimum& best) const {
+State Search::blind_step(const State& from, const BestModuli& best) const {
     return state_at(from.towards(position_of(best), 0.5), from.counted);
 }
 
@@ -292,7 +301,7 @@ NoiseLevel Search::first_level() const {
     return {std::max(1.0, options_.smallest_noise_scale), contours};
 }
 
-NoiseLevel Search::level_for(const ModulusObjective::Fit& fit) const {
+NoiseLevel Search::level_for(const LinearisedProblem::Fit& fit) const {
     NoiseLevel level = noise_.level();
     if (!options_.estimate_noise) return level;
     if (!options_.contour_mm) level.contour_mm = contour_mm_for(fit);
@@ -302,7 +311,7 @@ NoiseLevel Search::level_for(const ModulusObjective::Fit& fit) const {
 
 /// sigma_n^2 such that the observed residual has the size that its own model predicts:
 /// E[r^T R^-1 r] = tr(R C^-1) for r = R C^-1 e.
-double Search::scale_for(const ModulusObjective::Fit& fit) const {
+double Search::scale_for(const LinearisedProblem::Fit& fit) const {
     if (fit.effective_rows < 1) return noise_.level().scale;
     const double factor = std::clamp(std::sqrt(fit.weighted_misfit / fit.effective_rows), 0.5, 2.0);
     return std::clamp(noise_.level().scale * factor, options_.smallest_noise_scale, 20.0);
@@ -310,7 +319,7 @@ double Search::scale_for(const ModulusObjective::Fit& fit) const {
 
 /// The contours' error such that E[r^T D r] = tr(D R C^-1 R). Not weighted by R^-1: that asks the
 /// shortest waves, where the kernel is least certain and moduli do not show.
-double Search::contour_mm_for(const ModulusObjective::Fit& fit) const {
+double Search::contour_mm_for(const LinearisedProblem::Fit& fit) const {
     if (!(fit.expected_misfit_mm2 > 0)) return noise_.level().contour_mm;
     return std::clamp(noise_.contour_mm_for(fit.misfit_mm2 / fit.expected_misfit_mm2),
                       least_contour_mm, most_contour_mm);
@@ -318,14 +327,15 @@ double Search::contour_mm_for(const ModulusObjective::Fit& fit) const {
 
 /// The most probable moduli with the surfaces linearised at `state`, whose own become those of a
 /// scan if that is asked for.
-ModulusMinimum Search::best_moduli(State& state, bool is_scanned) {
+BestModuli Search::best_moduli(State& state, bool is_scanned) {
     const LinearisedProblem problem = linearise(state);
     check_cancelled(progress_);
     if (is_scanned)
         state = recounted(
-            state_at({state.driven, state.frame, scan_moduli(problem, bounds_)}, state.counted));
+            state_at({state.driven, state.frame, scan_grid(problem, bounds_)}, state.counted));
     check_cancelled(progress_);
-    ModulusMinimum best = minimise_moduli(problem, state.theta, bounds_, hessian_);
+    BestModuli best{minimise_bfgs(problem, state.theta, bounds_, hessian_), {}};
+    best.fit = problem.fit(best.theta);
     hessian_ = best.hessian;
     return best;
 }
@@ -333,7 +343,7 @@ ModulusMinimum Search::best_moduli(State& state, bool is_scanned) {
 /// Finds what is not given of the noise together with the moduli, the surfaces linearised where
 /// they are: what a soft organ follows it does not leave, so that each depends on the other.
 /// Returns whether the noise changed by more than 2 %.
-bool Search::settle_noise(State& state, ModulusMinimum& best, bool is_scanned) {
+bool Search::settle_noise(State& state, BestModuli& best, bool is_scanned) {
     bool changed = false;
     // Only sigma_n: it may fall far, and surfaces that are not yet where they belong would all be
     // outliers, so it goes with the steps.
@@ -353,7 +363,7 @@ bool Search::settle_noise(State& state, ModulusMinimum& best, bool is_scanned) {
 /// was not known when the valley was chosen. They are taken if so.
 bool Search::leaves_valley(State& state) {
     const LinearisedProblem problem = linearise(state);
-    const Eigen::VectorXd theta = scan_moduli(problem, bounds_);
+    const Eigen::VectorXd theta = scan_grid(problem, bounds_);
     const std::vector<double> values = problem.objectives({state.theta, theta});
     if (!(values[1] < values[0] - deeper)) return false;
     hessian_ = {};
@@ -365,7 +375,8 @@ bool Search::leaves_valley(State& state) {
 bool Search::can_fit_walls(const State& state) const {
     const std::vector<LinearRow> rows = rows_of(state);
     const bool any = std::any_of(rows.begin(), rows.end(), [](auto& row) { return row.on_driven; });
-    return options_.fit_walls && any && !priors_.empty() && !walls_->expectation().normals.empty();
+    return options_.fit_walls && any && !unknowns_.empty() &&
+           !walls_->expectation().normals.empty();
 }
 
 /// What is expected of the walls' motion becomes what their own distances show of it.
@@ -383,10 +394,10 @@ void Search::take_walls(const std::shared_ptr<const WallPrior>& walls) {
     are_walls_fitted_ = true;
 }
 
-void Search::record(int iteration, const State& state, const ModulusMinimum& best, double step) {
+void Search::record(int iteration, const State& state, const BestModuli& best, double step) {
     IterationRecord entry;
     entry.iteration = iteration;
-    entry.objective = state.objective + 0.5 * best.log_determinant;
+    entry.objective = state.objective + 0.5 * best.end.log_determinant;
     entry.gradient_norm = best.gradient_norm;
     entry.step = step;
     std::string text;
@@ -403,9 +414,9 @@ void Search::record(int iteration, const State& state, const ModulusMinimum& bes
 }
 
 MapEstimate Search::run() {
-    Eigen::VectorXd theta(priors_.size());
-    for (std::size_t k = 0; k < priors_.size(); ++k) {
-        theta[k] = options_.start_kpa > 0 ? std::log(options_.start_kpa) : priors_[k].mean_ln;
+    Eigen::VectorXd theta(unknowns_.size());
+    for (std::size_t k = 0; k < unknowns_.size(); ++k) {
+        theta[k] = options_.start_kpa > 0 ? std::log(options_.start_kpa) : unknowns_[k].mean;
     }
     noise_.set_level(first_level());
     State state = state_at(
@@ -430,8 +441,8 @@ MapEstimate Search::run_near(const MapEstimate& earlier) {
     take_walls(earlier.walls);
     if (options_.reach > 1) {
         const auto reach = Eigen::ArrayXd::Constant(earlier.theta.size(), std::log(options_.reach));
-        bounds_.lower_ln = bounds_.lower_ln.cwiseMax((earlier.theta.array() - reach).matrix());
-        bounds_.upper_ln = bounds_.upper_ln.cwiseMin((earlier.theta.array() + reach).matrix());
+        bounds_.lower = bounds_.lower.cwiseMax((earlier.theta.array() - reach).matrix());
+        bounds_.upper = bounds_.upper.cwiseMin((earlier.theta.array() + reach).matrix());
     }
     return iterate(state_at({earlier.driven, earlier.frame, earlier.theta}, nullptr), false);
 }
@@ -441,10 +452,10 @@ MapEstimate Search::iterate(State state, bool is_scanned) {
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
     int quiet_steps = 0, stalls = 0;
-    bool is_checked = !is_scanned || priors_.empty();  // for deeper valleys
+    bool is_checked = !is_scanned || unknowns_.empty();  // for deeper valleys
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const bool is_noise_open = k < options_.noise_iterations && !held_;
-        ModulusMinimum best = best_moduli(state, k == 1 && is_scanned);
+        BestModuli best = best_moduli(state, k == 1 && is_scanned);
         const bool is_noise_new = is_noise_open && settle_noise(state, best, k == 1 && is_scanned);
         if (is_noise_new) acceleration.reset();
         const double moved = largest(best.fit.driven - state.driven);
@@ -504,7 +515,7 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
     estimate.driven = state.driven;
     estimate.frame = state.frame;
     estimate.observed = state.observed;
-    estimate.unknown = priors_;
+    estimate.unknown = unknowns_;
     estimate.theta = state.theta;
     if (are_walls_fitted_) {
         estimate.walls = walls_;
@@ -527,24 +538,26 @@ MapEstimate Search::finish(const State& state, const Termination& termination) c
 
 }  // namespace
 
-void take_uncertainty(const ModulusObjective& problem, const MapOptions& options,
-                      MapEstimate& estimate, const ProgressSink& progress) {
+void take_uncertainty(const Objective& problem, const MapOptions& options, MapEstimate& estimate,
+                      const ProgressSink& progress) {
     const Eigen::VectorXd& theta = estimate.theta;
-    const ModulusBounds bounds = all_bounds(options, problem.num_unknown());
+    const Bounds bounds = all_bounds(options, problem.num_unknown());
     check_cancelled(progress);
     estimate.covariance = laplace_covariance(problem, theta);
     check_cancelled(progress);
     const Eigen::MatrixXd information = problem.seen_information(theta);
-    estimate.seen_sd_ln = seen_sd_ln(information, problem.priors());
-    estimate.sensitivity = scaled_sensitivity(information, problem.priors());
+    estimate.seen_sd_ln = seen_sd(information, problem.unknowns());
+    estimate.sensitivity = scaled_sensitivity(information, problem.unknowns());
     estimate.profiles.clear();
     estimate.interval_kpa.clear();
     estimate.excluded_ends.clear();
     for (Index k = 0; k < problem.num_unknown(); ++k) {
         check_cancelled(progress);
-        estimate.profiles.push_back(profile_of(problem, theta, estimate.covariance, k));
-        estimate.interval_kpa.push_back(
-            profile_interval(estimate.profiles.back(), std::exp(theta[k])));
+        const Profile profile = profile_of(problem, theta, estimate.covariance, k);
+        estimate.profiles.push_back(
+            {problem.unknowns()[k].object, exponentials(profile.value), profile.objective});
+        const auto [low, high] = profile_interval(profile, theta[k]);
+        estimate.interval_kpa.push_back({std::exp(low), std::exp(high)});
         check_cancelled(progress);
         estimate.excluded_ends.push_back(
             excluded_ends(problem, theta, estimate.covariance, k, bounds));
@@ -553,23 +566,23 @@ void take_uncertainty(const ModulusObjective& problem, const MapOptions& options
 
 MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const SurfaceObservations& observations,
-                         const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                         const std::vector<Unknown>& unknowns, const MapOptions& options,
                          const ProgressSink& progress) {
-    return Search(model, walls, observations, priors, options, progress).run();
+    return Search(model, walls, observations, unknowns, options, progress).run();
 }
 
 MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& model,
                               const WallPrior& walls, const SurfaceObservations& observations,
-                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const std::vector<Unknown>& unknowns, const MapOptions& options,
                               const ProgressSink& progress) {
-    return Search(model, walls, observations, priors, options, progress).run_from(earlier);
+    return Search(model, walls, observations, unknowns, options, progress).run_from(earlier);
 }
 
 MapEstimate map_estimate_near(const MapEstimate& earlier, const ResponseModel& model,
                               const WallPrior& walls, const SurfaceObservations& observations,
-                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const std::vector<Unknown>& unknowns, const MapOptions& options,
                               const ProgressSink& progress) {
-    return Search(model, walls, observations, priors, options, progress).run_near(earlier);
+    return Search(model, walls, observations, unknowns, options, progress).run_near(earlier);
 }
 
 }  // namespace palpate

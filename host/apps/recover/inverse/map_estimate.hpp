@@ -11,8 +11,8 @@
 #include "host/apps/recover/inverse/marginal.hpp"
 #include "host/apps/recover/inverse/records.hpp"
 #include "host/apps/recover/inverse/surface_noise.hpp"
-#include "host/apps/recover/inverse/uncertainty.hpp"
 #include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/estimate/posterior.hpp"
 #include "solver/base/log.hpp"
 
 namespace palpate {
@@ -46,12 +46,12 @@ struct MapEstimate {
     Eigen::VectorXd driven;                           ///< [3 num_driven] mm
     FrameMotion frame = FrameMotion::Zero();          ///< by which the target's alignment is off
     Eigen::VectorXd observed;                         ///< [3 num_observed] mm
-    std::vector<ModulusPrior> unknown;                ///< regions that were estimated
+    std::vector<Unknown> unknown;                     ///< regions that were estimated
     Eigen::VectorXd theta;                            ///< ln E of them
     Eigen::MatrixXd covariance;                       ///< of theta, Laplace approximation
     std::vector<std::array<double, 2>> interval_kpa;  ///< 95 %, from the profile of F
     std::vector<ProfileResult> profiles;
-    Eigen::VectorXd seen_sd_ln;                      ///< see uncertainty.hpp, as the next two
+    Eigen::VectorXd seen_sd_ln;                      ///< see posterior.hpp, as the next two
     std::vector<std::array<bool, 2>> excluded_ends;  ///< [num unknown], softest, stiffest
     ScaledSensitivity sensitivity;
     std::shared_ptr<const WallPrior> walls;         ///< fitted; null: as they were given
@@ -75,26 +75,26 @@ struct MapEstimate {
 /// objective guards every step. Not converging is not an error: see `termination`.
 MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const SurfaceObservations& observations,
-                         const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                         const std::vector<Unknown>& unknowns, const MapOptions& options,
                          const ProgressSink& progress = {});
 
 /// The same, started at an earlier estimate from the same observations with another model, whose
 /// counted rows and their noise are held: the objectives of the two can be compared.
 MapEstimate map_estimate_from(const MapEstimate& earlier, const ResponseModel& model,
                               const WallPrior& walls, const SurfaceObservations& observations,
-                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const std::vector<Unknown>& unknowns, const MapOptions& options,
                               const ProgressSink& progress = {});
 
 /// The same, started at an earlier estimate from the same observations with a model that differs a
 /// little; nothing is held.
 MapEstimate map_estimate_near(const MapEstimate& earlier, const ResponseModel& model,
                               const WallPrior& walls, const SurfaceObservations& observations,
-                              const std::vector<ModulusPrior>& priors, const MapOptions& options,
+                              const std::vector<Unknown>& unknowns, const MapOptions& options,
                               const ProgressSink& progress = {});
 
 /// Covariance, profiles and all that is judged by from the inverse problem `problem`, linearised at
 /// the estimate or near it. `progress` is only asked whether to cancel.
-void take_uncertainty(const ModulusObjective& problem, const MapOptions& options,
-                      MapEstimate& estimate, const ProgressSink& progress = {});
+void take_uncertainty(const Objective& problem, const MapOptions& options, MapEstimate& estimate,
+                      const ProgressSink& progress = {});
 
 }  // namespace palpate

@@ -12,26 +12,13 @@
 namespace palpate {
 namespace {
 
-std::vector<Index> regions_of(const std::vector<ModulusPrior>& priors) {
+std::vector<Index> regions_of(const std::vector<Unknown>& unknowns) {
     std::vector<Index> regions;
-    for (const auto& prior : priors) regions.push_back(prior.region);
+    for (const Unknown& unknown : unknowns) regions.push_back(unknown.object);
     return regions;
 }
 
 }  // namespace
-
-double prior_energy(const std::vector<ModulusPrior>& priors, const Eigen::VectorXd& theta) {
-    double sum = 0;
-    for (std::size_t k = 0; k < priors.size(); ++k)
-        sum += 0.5 * std::pow((theta[k] - priors[k].mean_ln) / priors[k].sd_ln, 2);
-    return sum;
-}
-
-std::vector<double> ModulusObjective::misfits(const std::vector<Eigen::VectorXd>& thetas) const {
-    std::vector<double> values = objectives(thetas);
-    for (std::size_t p = 0; p < thetas.size(); ++p) values[p] -= prior_energy(priors(), thetas[p]);
-    return values;
-}
 
 // The wall motion that is left free by the walls' own data, c = N m + P w with w ~ N(0, 1): all
 // products are made with P, whose rank is below the number of functionals. The rows enter through
@@ -53,14 +40,13 @@ struct LinearisedProblem::Response {
 LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior& prior,
                                      const std::vector<LinearRow>& rows,
                                      const Eigen::VectorXd& driven, const Eigen::VectorXd& observed,
-                                     const std::vector<ModulusPrior>& priors,
-                                     const FramePrior& frame)
+                                     const std::vector<Unknown>& unknowns, const FramePrior& frame)
     : model_(model),
       prior_(prior),
       frame_(frame),
       walls_(prior, rows, driven, frame),
-      priors_(priors),
-      unknown_(regions_of(priors)) {
+      unknowns_(unknowns),
+      unknown_(regions_of(unknowns)) {
     read_rows(rows, observed);
     mean_ = model.motion_of(walls_.mean());
     spread_root_ = spread_of_motions();
@@ -183,9 +169,9 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
                                                           bool with_gradient) const {
     Evaluation result;
     result.gradient = Eigen::VectorXd::Zero(num_unknown());
-    result.objective = prior_energy(priors_, theta);
+    result.objective = prior_energy(unknowns_, theta);
     for (Index k = 0; k < num_unknown(); ++k)
-        result.gradient[k] = (theta[k] - priors_[k].mean_ln) / std::pow(priors_[k].sd_ln, 2);
+        result.gradient[k] = (theta[k] - unknowns_[k].mean) / std::pow(unknowns_[k].sd, 2);
     if (num_observed_rows() == 0) return result;
     if (!is_stable(theta)) {
         result.objective = std::numeric_limits<double>::infinity();

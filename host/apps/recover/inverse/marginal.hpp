@@ -8,53 +8,9 @@
 #include "host/apps/recover/inverse/linear_row.hpp"
 #include "host/apps/recover/inverse/response_model.hpp"
 #include "host/apps/recover/inverse/wall_posterior.hpp"
+#include "host/estimate/objective.hpp"
 
 namespace palpate {
-
-/// Gaussian prior of ln E of one unknown region.
-struct ModulusPrior {
-    Index region = 0;
-    double mean_ln = 0;
-    double sd_ln = 1;
-};
-
-/// What a search for moduli minimises, as a function of theta = ln E of the unknown regions, in the
-/// order of the priors.
-class ModulusObjective {
-public:
-    struct Evaluation {
-        double objective = 0;        ///< F
-        double log_determinant = 0;  ///< ln det C, part of F
-        Eigen::VectorXd gradient;    ///< dF/dtheta [num unknown], zero if not asked for
-    };
-    struct Fit {
-        Eigen::VectorXd driven;                   ///< most probable u_d at theta [driven_dofs]
-        FrameMotion frame = FrameMotion::Zero();  ///< and motion of the target's frame
-        double weighted_misfit = 0;      ///< r^T R^-1 r of the observed residual r = R C^-1 e there
-        double effective_rows = 0;       ///< trace of R C^-1: rows that the fit does not use up
-        double misfit_mm2 = 0;           ///< r^T D r, D the weights of the rows
-        double expected_misfit_mm2 = 0;  ///< its mean if R is right: trace of D R C^-1 R
-    };
-
-    virtual ~ModulusObjective() = default;
-    virtual Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const = 0;
-    /// F alone at several theta.
-    virtual std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const = 0;
-    virtual Fit fit(const Eigen::VectorXd& theta) const = 0;
-    /// Of F [num unknown, num unknown], symmetric.
-    virtual Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const = 0;
-    /// What the motion that is seen says of ln E [num unknown, num unknown]: D^T C^-1 D with
-    /// D = d(J c)/dtheta at the most probable wall motion c. It is a part of the curvature of F;
-    /// the other part rests on the spread of motions that nobody saw, that is on their prior.
-    virtual Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const = 0;
-    virtual const std::vector<ModulusPrior>& priors() const = 0;
-    Index num_unknown() const { return static_cast<Index>(priors().size()); }
-    /// F less the prior of the moduli: minus the log likelihood of the observed rows.
-    std::vector<double> misfits(const std::vector<Eigen::VectorXd>& thetas) const;
-};
-
-/// The prior's part of F.
-double prior_energy(const std::vector<ModulusPrior>& priors, const Eigen::VectorXd& theta);
 
 /// The distances of one target's observed surfaces, linearised.
 struct ObservedRows {
@@ -79,13 +35,22 @@ struct ObservedRows {
 /// A motion delta of the target's frame is integrated out with the walls' (WallPosterior): the rows
 /// are y = J N u_d + A delta + noise, and delta a wall motion that moves what is seen rigidly. It
 /// is kept as six further modes behind those of the response model, which no modulus changes.
-class LinearisedProblem : public ModulusObjective {
+class LinearisedProblem : public Objective {
 public:
+    struct Fit {
+        Eigen::VectorXd driven;                   ///< most probable u_d at theta [driven_dofs]
+        FrameMotion frame = FrameMotion::Zero();  ///< and motion of the target's frame
+        double weighted_misfit = 0;      ///< r^T R^-1 r of the observed residual r = R C^-1 e there
+        double effective_rows = 0;       ///< trace of R C^-1: rows that the fit does not use up
+        double misfit_mm2 = 0;           ///< r^T D r, D the weights of the rows
+        double expected_misfit_mm2 = 0;  ///< its mean if R is right: trace of D R C^-1 R
+    };
+
     /// `driven` [driven_dofs] and `observed` [observed_dofs]: the displacement at which `rows` are
     /// linearised. `model` and `prior` must outlive this object.
     LinearisedProblem(const ResponseModel& model, const WallPrior& prior,
                       const std::vector<LinearRow>& rows, const Eigen::VectorXd& driven,
-                      const Eigen::VectorXd& observed, const std::vector<ModulusPrior>& priors,
+                      const Eigen::VectorXd& observed, const std::vector<Unknown>& unknowns,
                       const FramePrior& frame = {});
 
     /// F is infinite where the mechanics are not stable: mechanics linearised at a deformed state
@@ -93,14 +58,14 @@ public:
     Evaluation evaluate(const Eigen::VectorXd& theta, bool with_gradient) const override;
     /// On all cores.
     std::vector<double> objectives(const std::vector<Eigen::VectorXd>& thetas) const override;
-    Fit fit(const Eigen::VectorXd& theta) const override;
+    Fit fit(const Eigen::VectorXd& theta) const;
     /// Covariance [n, n] (mm^2 times the square of the units of `functionals`) of functionals^T u_d
     /// at theta, all data seen; functionals [driven_dofs, n].
     Eigen::MatrixXd motion_covariance(const Eigen::VectorXd& theta,
                                       const Eigen::MatrixXd& functionals) const;
     /// Central differences of the gradient, symmetrised.
     Eigen::MatrixXd hessian(const Eigen::VectorXd& theta) const override;
-
+    /// D^T C^-1 D with D = d(J c)/dtheta at the most probable wall motion c.
     Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const override;
 
     // For several problems together (JointProblem), in the modes of the rows:
@@ -116,7 +81,7 @@ public:
     Index rank() const { return static_cast<Index>(spread_root_.cols()); }
     Index num_observed_rows() const { return static_cast<Index>(observed_.rows.size()); }
     double noise_log_determinant() const { return noise_log_determinant_; }  ///< ln det R
-    const std::vector<ModulusPrior>& priors() const override { return priors_; }
+    const std::vector<Unknown>& unknowns() const override { return unknowns_; }
 
 private:
     struct Response;
@@ -131,8 +96,8 @@ private:
     const WallPrior& prior_;
     FramePrior frame_;
     WallPosterior walls_;
-    std::vector<ModulusPrior> priors_;
-    std::vector<Index> unknown_;  ///< regions of `priors_`
+    std::vector<Unknown> unknowns_;
+    std::vector<Index> unknown_;  ///< regions of `unknowns_`
     ObservedRows observed_;
     // Their products, weighted by R^-1: no evaluation touches the rows.
     // V has the modes of the model and then, if the frame is unknown, its six motions.

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/apps/recover/inverse/lbfgs.hpp"
+#include "host/estimate/lbfgs.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

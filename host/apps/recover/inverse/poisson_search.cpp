@@ -2,19 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/recover/inverse/poisson_search.hpp"
 
-#include <nlopt.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <limits>
-#include <memory>
-#include <type_traits>
 
-#include "host/apps/recover/inverse/uncertainty.hpp"
-#include "solver/base/error.hpp"
+#include "host/estimate/posterior.hpp"
+#include "host/estimate/trust_region.hpp"
 
 namespace palpate {
 namespace {
@@ -29,50 +23,18 @@ const RatioTrial& lowest_of(const std::vector<RatioTrial>& trials) {
     });
 }
 
-/// What the library calls: no exception may cross it.
-struct Descent {
-    const RatioEvaluation& evaluate;
-    nlopt_opt optimiser;
-    std::vector<RatioTrial> trials;
-    std::exception_ptr failure;
-};
-
-double evaluate_trial(unsigned n, const double* x, double*, void* data) {
-    auto& descent = *static_cast<Descent*>(data);
-    try {
-        descent.trials.push_back(descent.evaluate(Eigen::Map<const Eigen::VectorXd>(x, n)));
-        if (!std::isfinite(descent.trials.back().objective))
-            throw Error(ErrorCode::solve_failed,
-                        "the search of Poisson's ratios met an objective that is not a number");
-        return descent.trials.back().objective;
-    } catch (...) {
-        descent.failure = std::current_exception();
-        nlopt_force_stop(descent.optimiser);
-        return std::numeric_limits<double>::infinity();
-    }
-}
-
 std::vector<RatioTrial> go_down(const RatioEvaluation& evaluate, const Eigen::VectorXd& start,
                                 const RatioSearchOptions& options, bool& converged) {
-    const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> optimiser(
-        nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(start.size())), nlopt_destroy);
-    if (!optimiser) throw Error(ErrorCode::out_of_memory, "NLopt could not make an optimiser");
-    Descent descent{evaluate, optimiser.get(), {}, nullptr};
-    nlopt_set_lower_bounds1(optimiser.get(), options.lowest);
-    nlopt_set_upper_bounds1(optimiser.get(), options.highest);
-    nlopt_set_initial_step1(optimiser.get(), options.first_step);
-    nlopt_set_xtol_abs1(optimiser.get(), options.tolerance);
-    nlopt_set_maxeval(optimiser.get(), options.max_evaluations);
-    nlopt_set_min_objective(optimiser.get(), evaluate_trial, &descent);
-    Eigen::VectorXd ratios = start;
-    double lowest = 0;
-    // However it ends, the trials made until then count.
-    const nlopt_result ending = nlopt_optimize(optimiser.get(), ratios.data(), &lowest);
-    converged = ending == NLOPT_XTOL_REACHED || ending == NLOPT_SUCCESS;
-    if (descent.failure) std::rethrow_exception(descent.failure);
-    if (descent.trials.empty())
-        throw Error(ErrorCode::internal, "NLopt tried no Poisson's ratio at all");
-    return descent.trials;
+    std::vector<RatioTrial> trials;
+    const auto objective = [&](const Eigen::VectorXd& ratios) {
+        trials.push_back(evaluate(ratios));
+        return trials.back().objective;
+    };
+    converged = minimise_in_trust_region(objective, start,
+                                         {options.lowest, options.highest, options.first_step,
+                                          options.tolerance, options.max_evaluations})
+                    .converged;
+    return trials;
 }
 
 /// f(x) = f_0 + g . d + 1/2 d . H d with d = x - best, by weighted least squares.
@@ -161,9 +123,7 @@ Eigen::MatrixXd theta_slope(const std::vector<RatioTrial>& trials) {
 RatioPosterior search_ratios(const RatioEvaluation& evaluate, const Eigen::VectorXd& start,
                              const RatioSearchOptions& options) {
     RatioPosterior posterior;
-    const std::vector<RatioTrial> trials =
-        go_down(evaluate, start.cwiseMax(options.lowest).cwiseMin(options.highest), options,
-                posterior.converged);
+    const std::vector<RatioTrial> trials = go_down(evaluate, start, options, posterior.converged);
     posterior.best = lowest_of(trials);
     const Paraboloid fit = paraboloid(trials);
     const double range = options.highest - options.lowest;

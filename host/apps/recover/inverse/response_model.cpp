@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/apps/recover/inverse/column_basis.hpp"
+#include "host/estimate/column_basis.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -2,16 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/recover/inverse/wall_fit.hpp"
 
-#include <nlopt.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <type_traits>
 #include <utility>
 
-#include "solver/base/error.hpp"
+#include "host/estimate/trust_region.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
 
@@ -20,6 +17,7 @@ namespace {
 
 constexpr std::size_t most_rows = 250;  ///< of one wall
 constexpr int most_trials = 80;
+constexpr double first_step = 0.7, tolerance = 0.02;  // of what the search sees
 // What is expected of motions, over the standard deviation and range in the settings: medians, and
 // the spread of logarithms.
 constexpr double normal_of_sd = 0.8, range_of_range = 0.75, tangential_median = 0.3;
@@ -148,8 +146,8 @@ double cost_of(const Distances& wall, const WallMotionScale::Wall& scale, double
            Eigen::VectorXd(factor.matrixLLT().diagonal()).array().log().sum();
 }
 
-/// What BOBYQA sees: logarithms over their medians, in spreads; ranges, then normal parts, then the
-/// tangential one.
+/// What the search sees: logarithms over their medians, in spreads; ranges, then normal parts, then
+/// the tangential one.
 class Evidence {
 public:
     Evidence(const WallPrior& prior, const std::vector<LinearRow>& rows,
@@ -157,7 +155,7 @@ public:
         : expected_(prior.expectation()), walls_(distances_of(prior, rows, driven, frame)) {}
 
     Index num_unknown() const { return static_cast<Index>(2 * walls_.size() + 1); }
-    WallMotionScale scale_at(const double* x) const {
+    WallMotionScale scale_at(const Eigen::VectorXd& x) const {
         WallMotionScale scale;
         const std::size_t n = walls_.size();
         for (std::size_t w = 0; w < n; ++w)
@@ -169,7 +167,7 @@ public:
         scale.tangential = tangential_median * std::exp(tangential_spread * x[2 * n]);
         return scale;
     }
-    double cost(const double* x) const {
+    double cost(const Eigen::VectorXd& x) const {
         const WallMotionScale scale = scale_at(x);
         std::vector<double> costs(walls_.size());
         const SerialBlas serial;
@@ -189,10 +187,6 @@ private:
     std::vector<Distances> walls_;
 };
 
-double cost_at(unsigned, const double* x, double*, void* evidence) {
-    return static_cast<const Evidence*>(evidence)->cost(x);
-}
-
 }  // namespace
 
 WallMotionScale expected_scale(const WallPrior& prior) {
@@ -207,20 +201,13 @@ WallMotionScale expected_scale(const WallPrior& prior) {
 
 WallMotionScale fit_walls(const WallPrior& prior, const std::vector<LinearRow>& rows,
                           const Eigen::VectorXd& driven, const FramePrior& frame) {
-    Evidence evidence(prior, rows, driven, frame);
-    std::vector<double> x(evidence.num_unknown(), 0.0);
-    const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> optimiser(
-        nlopt_create(NLOPT_LN_BOBYQA, static_cast<unsigned>(x.size())), nlopt_destroy);
-    if (!optimiser) throw Error(ErrorCode::out_of_memory, "NLopt could not make an optimiser");
-    nlopt_set_lower_bounds1(optimiser.get(), -farthest);
-    nlopt_set_upper_bounds1(optimiser.get(), farthest);
-    nlopt_set_initial_step1(optimiser.get(), 0.7);
-    nlopt_set_xtol_abs1(optimiser.get(), 0.02);
-    nlopt_set_maxeval(optimiser.get(), most_trials);
-    nlopt_set_min_objective(optimiser.get(), cost_at, &evidence);
-    double lowest = 0;
-    nlopt_optimize(optimiser.get(), x.data(), &lowest);  // however it ends, its best point counts
-    return evidence.scale_at(x.data());
+    const Evidence evidence(prior, rows, driven, frame);
+    const auto cost = [&](const Eigen::VectorXd& x) { return evidence.cost(x); };
+    // However it ends, its best point counts.
+    const TrustRegionMinimum best =
+        minimise_in_trust_region(cost, Eigen::VectorXd::Zero(evidence.num_unknown()),
+                                 {-farthest, farthest, first_step, tolerance, most_trials});
+    return evidence.scale_at(best.x);
 }
 
 std::shared_ptr<const WallPrior> walls_of(const WallPrior& prior, const WallMotionScale& scale) {

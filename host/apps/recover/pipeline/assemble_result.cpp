@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "host/apps/recover/inverse/identifiability.hpp"
-#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/modelling/regions.hpp"
 #include "host/apps/recover/pipeline/deformation.hpp"
 #include "host/apps/recover/pipeline/judged_modulus.hpp"
@@ -86,7 +86,7 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     result.interval_kpa = with_prior_ends({result.stiffness_kpa, result.stiffness_kpa},
                                           result.stiffness_kpa, result.sd_ln);
     for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
-        if (estimate.unknown[k].region != result.region) continue;
+        if (estimate.unknown[k].object != result.region) continue;
         judge_modulus(estimate, k, settings, result);
     }
     if (has_known_tissue(settings)) return;

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/pipeline/recover_options.hpp"
 #include "solver/base/error.hpp"
 #include "solver/model/node_rows.hpp"
@@ -32,7 +32,6 @@ constexpr double finer_tolerance = 0.2;
 /// Steps of the load that are tried on the way; the end of the search goes further.
 constexpr double smallest_step = 0.02;
 
-/// [3 nodes] of a displacement [3 num_nodes].
 /// Root mean square of what is independent from point to point, as it is assumed at first.
 double mean_noise_mm(const SurfaceObservations& observations) {
     double sum = 0;
@@ -95,7 +94,7 @@ private:
 
 std::vector<Index> Rounds::unknown() const {
     std::vector<Index> regions;
-    for (const auto& prior : rest_.priors) regions.push_back(prior.region);
+    for (const Unknown& modulus : rest_.unknowns) regions.push_back(modulus.object);
     return regions;
 }
 
@@ -106,15 +105,15 @@ Equilibrium Rounds::equilibrium_from(const Eigen::VectorXd& start) const {
     for (std::size_t k = 0; k < driven.size(); ++k)
         loads.displacement.segment<3>(3 * driven[k]) = found_.estimate.driven.segment<3>(3 * k);
     EquilibriumOptions solve;
-    solve.linear.direct_library = options_.solver.direct_library;
+    solve.linear = matrix_solver_options(options_.solver);
     solve.smallest_step = smallest_step;
     return solve_equilibrium(*found_.solid, loads, solve, {start, {}}, progress_);
 }
 
 /// At the estimate, or as near to it as one is found.
 void Rounds::find_equilibrium() {
-    for (std::size_t k = 0; k < rest_.priors.size(); ++k)
-        model_.materials[rest_.priors[k].region].stiffness_kpa =
+    for (std::size_t k = 0; k < rest_.unknowns.size(); ++k)
+        model_.materials[rest_.unknowns[k].object].stiffness_kpa =
             std::exp(found_.estimate.theta[static_cast<Index>(k)]);
     found_.solid = std::make_shared<SolidAssembly>(solid_model_of(model_, law_));
     Equilibrium state = equilibrium_from(found_.state.displacement);
@@ -188,7 +187,7 @@ void Rounds::search() {
     search.modulus_tolerance_sd *= finer_tolerance;
     search.objective_tolerance_per_row *= finer_tolerance;
     found_.estimate = map_estimate_near(found_.estimate, *found_.response, rest_.walls,
-                                        observations_, rest_.priors, search, progress_);
+                                        observations_, rest_.unknowns, search, progress_);
     keep_records();
 }
 
@@ -226,7 +225,7 @@ void Rounds::judge() {
     const LinearisedProblem problem(shifted, walls,
                                     estimate.counted->linear_rows(observations_.evaluate(
                                         estimate.driven, estimate.observed, estimate.frame)),
-                                    estimate.driven, estimate.observed, rest_.priors, frame);
+                                    estimate.driven, estimate.observed, rest_.unknowns, frame);
     MapEstimate far = estimate;
     take_uncertainty(problem, options_.search, far, progress_);
     estimate.excluded_ends = far.excluded_ends;
@@ -266,7 +265,7 @@ FiniteStrainEstimate Rounds::run() {
     MapOptions first = options_.search;
     first.smallest_noise_scale = std::max(1.0, first.smallest_noise_scale);
     found_.estimate =
-        map_estimate(rest_.response, rest_.walls, observations_, rest_.priors, first, progress_);
+        map_estimate(rest_.response, rest_.walls, observations_, rest_.unknowns, first, progress_);
     found_.first = found_.estimate;
     found_.first.posterior.reset();
     keep_records();

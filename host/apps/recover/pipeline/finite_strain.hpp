@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/apps/recover/inverse/map_estimate.hpp"
-#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/modelling/tissue_law.hpp"
 #include "host/apps/recover/pipeline/recover_options.hpp"
 #include "solver/equilibrium/newton.hpp"
@@ -16,7 +16,7 @@ namespace palpate {
 struct FiniteStrainOptions {
     int max_rounds = 12;  ///< linearisations at most
     /// Converged: a round changed no ln E by more than this part of its standard deviation, that of
-    /// the model (uncertainty.hpp) included, or by 1e-3 if that is larger, and
+    /// the model (model_error.hpp) included, or by 1e-3 if that is larger, and
     double modulus_tolerance_sd = 0.1;
     double model_sd_ln = palpate::model_sd_ln;
     /// the equilibrium lies this close to what the linearised model said, root mean square, mm.

@@ -21,7 +21,7 @@ constexpr double response_tolerance_mm = 0.5;
 void set_moduli(Recovered& found) {
     auto& materials = found.recovery.model.materials;
     for (std::size_t k = 0; k < found.estimate.unknown.size(); ++k) {
-        materials[found.estimate.unknown[k].region].stiffness_kpa =
+        materials[found.estimate.unknown[k].object].stiffness_kpa =
             std::exp(found.estimate.theta[static_cast<Index>(k)]);
     }
 }

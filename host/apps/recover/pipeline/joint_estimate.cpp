@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "host/apps/recover/inverse/joint_problem.hpp"
-#include "host/apps/recover/inverse/modulus_search.hpp"
 #include "host/apps/recover/modelling/regions.hpp"
 #include "host/apps/recover/pipeline/judged_modulus.hpp"
+#include "host/estimate/quasi_newton.hpp"
 
 namespace palpate {
 namespace {
@@ -34,21 +34,21 @@ std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets
                                          const Settings& settings, const MapOptions& options,
                                          const ProgressSink& progress) {
     MapEstimate all;
-    all.unknown = targets.front().problem->priors();
+    all.unknown = targets.front().problem->unknowns();
     if (all.unknown.empty()) return {};
     report_progress(progress, "joint", 0, fmt::format("{} targets together", targets.size()));
     std::vector<std::shared_ptr<const LinearisedProblem>> problems;
     for (const JointTarget& target : targets) problems.push_back(target.problem);
     const JointProblem problem(problems);
-    const ModulusBounds bounds = same_bounds(problem.num_unknown(), std::log(options.smallest_kpa),
-                                             std::log(options.largest_kpa));
-    all.theta = minimise_moduli(problem, scan_moduli(problem, bounds), bounds).theta;
+    const Bounds bounds = same_bounds(problem.num_unknown(), std::log(options.smallest_kpa),
+                                      std::log(options.largest_kpa));
+    all.theta = minimise_bfgs(problem, scan_grid(problem, bounds), bounds).theta;
     take_uncertainty(problem, options, all, progress);
     const Eigen::MatrixXd shares = problem.shares(all.theta);
     std::vector<RegionResult> regions;
     for (std::size_t k = 0; k < all.unknown.size(); ++k) {
         RegionResult region;
-        region.region = all.unknown[k].region;
+        region.region = all.unknown[k].object;
         region.name = name_of_region(settings, region.region);
         region.unknown = true;
         region.stiffness_kpa = std::exp(all.theta[k]);

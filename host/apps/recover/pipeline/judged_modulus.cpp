@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "host/apps/recover/inverse/identifiability.hpp"
-#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/modelling/regions.hpp"
 
 namespace palpate {
@@ -21,7 +21,7 @@ ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Se
     ModulusEvidence evidence;
     const double contour_mm = estimate.noise_level.contour_mm;
     const double sd_ln = std::sqrt(covariance(row, row));
-    evidence.prior_sd_ln = estimate.unknown[k].sd_ln;
+    evidence.prior_sd_ln = estimate.unknown[k].sd;
     evidence.interval_kpa = with_model_error(estimate.interval_kpa[k], best_kpa, sd_ln,
                                              evidence.prior_sd_ln, contour_mm);
     evidence.sd_ln = sd_ln_with_model_error(sd_ln, evidence.prior_sd_ln, contour_mm);
@@ -34,7 +34,7 @@ ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Se
         if (other == row || std::abs(correlation) <= std::abs(evidence.partner_correlation))
             continue;
         evidence.partner_correlation = correlation;
-        evidence.partner = name_of_region(settings, estimate.unknown[other].region);
+        evidence.partner = name_of_region(settings, estimate.unknown[other].object);
     }
     return evidence;
 }
@@ -72,7 +72,7 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
     }
     const ModulusEvidence evidence = evidence_of(estimate, k, settings);
     const Verdict verdict = judge(evidence);
-    result.interval_kpa = honest_interval(evidence, verdict, std::exp(estimate.unknown[k].mean_ln));
+    result.interval_kpa = honest_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
     result.sd_ln = verdict.verdict == "not identifiable"
                        ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
                        : evidence.sd_ln;

@@ -15,15 +15,15 @@ namespace {
 
 constexpr double wall_smoothing_mm = 6.0;
 
-std::vector<ModulusPrior> modulus_priors(const RecoveryModel& recovery, const ReducedModel& model,
-                                         const PriorSettings& prior) {
-    std::vector<ModulusPrior> priors;
+std::vector<Unknown> unknown_moduli(const RecoveryModel& recovery, const ReducedModel& model,
+                                    const PriorSettings& prior) {
+    std::vector<Unknown> unknowns;
     for (const Index region : recovery.unknown) {
         if (!model.has_region(region)) continue;
-        priors.push_back({region, std::log(recovery.model.materials[region].stiffness_kpa),
-                          prior.stiffness_sd_ln});
+        unknowns.push_back({region, std::log(recovery.model.materials[region].stiffness_kpa),
+                            prior.stiffness_sd_ln});
     }
-    return priors;
+    return unknowns;
 }
 
 /// Outward unit normals without what is shorter than `wall_smoothing_mm`: along a crease neighbours
@@ -87,16 +87,16 @@ Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
     WallPrior walls(
         displacement_precision(recovery, prior.displacement_sd_mm, prior.displacement_range_mm),
         wall_expectation(recovery, prior));
-    auto priors = modulus_priors(recovery, reduced, prior);
+    auto unknowns = unknown_moduli(recovery, reduced, prior);
     std::vector<Index> unknown;
-    for (const auto& modulus : priors) unknown.push_back(modulus.region);
+    for (const Unknown& modulus : unknowns) unknown.push_back(modulus.object);
     ResponseModel response =
         ResponseModel::compressed(reduced, walls, unknown, options.response, progress);
     report_progress(
         progress, "compressing", 1,
         fmt::format("{} wall motions, {} surface modes, {:.2g} mm left out",
                     response.num_functionals(), response.num_modes(), response.left_out_mm()));
-    return {std::move(recovery), std::move(walls), std::move(response), std::move(priors),
+    return {std::move(recovery), std::move(walls), std::move(response), std::move(unknowns),
             std::move(condensation)};
 }
 

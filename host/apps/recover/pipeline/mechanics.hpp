@@ -19,7 +19,7 @@ struct Mechanics {
     RecoveryModel recovery;
     WallPrior walls;
     ResponseModel response;
-    std::vector<ModulusPrior> priors;  ///< of the unknown moduli that have any influence
+    std::vector<Unknown> unknowns;  ///< ln E of the unknown moduli that have any influence
     CondensationSummary condensation;
 };
 

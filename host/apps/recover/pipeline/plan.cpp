@@ -10,8 +10,8 @@
 
 #include "host/apps/recover/inverse/identifiability.hpp"
 #include "host/apps/recover/inverse/joint_problem.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/inverse/surface_noise.hpp"
-#include "host/apps/recover/inverse/uncertainty.hpp"
 #include "host/apps/recover/inverse/wall_fit.hpp"
 #include "host/apps/recover/modelling/regions.hpp"
 #include "host/apps/recover/pipeline/observed_target.hpp"
@@ -82,7 +82,7 @@ Eigen::VectorXd Planner::wall_motion() const {
 
 Eigen::VectorXd Planner::observed(const Eigen::VectorXd& theta) const {
     std::vector<Index> unknown;
-    for (const ModulusPrior& prior : mechanics_.priors) unknown.push_back(prior.region);
+    for (const Unknown& modulus : mechanics_.unknowns) unknown.push_back(modulus.object);
     return response_.observed_displacement(response_.moduli(unknown, theta), wall_motion());
 }
 
@@ -91,7 +91,7 @@ std::shared_ptr<const LinearisedProblem> Planner::problem(const Eigen::VectorXd&
                                                           const Eigen::VectorXd& theta) const {
     const double side = driven.dot(wall_motion()) < 0 ? -1.0 : 1.0;
     return std::make_shared<LinearisedProblem>(response_, *walls_, rows_, driven,
-                                               side * observed(theta), mechanics_.priors, frame_);
+                                               side * observed(theta), mechanics_.unknowns, frame_);
 }
 
 PlannedInterval Planner::interval(const std::pair<int, int>& targets, const Eigen::VectorXd& theta,
@@ -105,11 +105,11 @@ PlannedInterval Planner::interval(const std::pair<int, int>& targets, const Eige
     PlannedInterval interval{targets.first, targets.second, 0, true};
     interval.sd_ln =
         sd_ln_with_model_error(std::sqrt(laplace_covariance(all, theta)(unknown, unknown)),
-                               mechanics_.priors[unknown].sd_ln, contours_mm);
+                               mechanics_.unknowns[unknown].sd, contours_mm);
     ModulusEvidence evidence;
     evidence.sd_ln = interval.sd_ln;
-    evidence.prior_sd_ln = mechanics_.priors[unknown].sd_ln;
-    evidence.seen_sd_ln = seen_sd_ln(all.seen_information(theta), mechanics_.priors)[unknown];
+    evidence.prior_sd_ln = mechanics_.unknowns[unknown].sd;
+    evidence.seen_sd_ln = seen_sd(all.seen_information(theta), mechanics_.unknowns)[unknown];
     interval.is_identifiable = judge(evidence).verdict != "not identifiable";
     return interval;
 }
@@ -127,17 +127,17 @@ double Planner::moved_mm(Index region, const Eigen::VectorXd& observed) const {
 
 std::vector<PlanRow> Planner::rows(const Settings& settings) const {
     std::vector<PlanRow> rows;
-    const Index num_unknown = static_cast<Index>(mechanics_.priors.size());
+    const Index num_unknown = static_cast<Index>(mechanics_.unknowns.size());
     for (Index k = 0; k < num_unknown; ++k) {
         for (const double factor : supposed_factors) {
             Eigen::VectorXd theta(num_unknown);
             for (Index other = 0; other < num_unknown; ++other)
-                theta[other] = mechanics_.priors[other].mean_ln;
+                theta[other] = mechanics_.unknowns[other].mean;
             theta[k] += std::log(factor);
             PlanRow row;
-            row.region = name_of_region(settings, mechanics_.priors[k].region);
+            row.region = name_of_region(settings, mechanics_.unknowns[k].object);
             row.supposed_kpa = std::exp(theta[k]);
-            row.moved_mm = moved_mm(mechanics_.priors[k].region, observed(theta));
+            row.moved_mm = moved_mm(mechanics_.unknowns[k].object, observed(theta));
             for (const auto& targets : planned_targets)
                 row.intervals.push_back(interval(targets, theta, k));
             rows.push_back(std::move(row));
@@ -171,7 +171,7 @@ std::vector<PlanRow> plan_recovery(const Segmentation& reference, const RecoverO
     const PreparedReference prepared =
         prepare_reference(std::move(state), options, timer, progress);
     const Mechanics& mechanics = prepared.mechanics;
-    if (mechanics.priors.empty())
+    if (mechanics.unknowns.empty())
         throw Error(ErrorCode::input_unusable,
                     "the settings leave no modulus to be found; set stiffness_kpa = \"unknown\"");
     if (mechanics.walls.expectation().normals.empty())

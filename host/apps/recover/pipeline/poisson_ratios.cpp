@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/apps/recover/inverse/uncertainty.hpp"
+#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/modelling/regions.hpp"
 #include "host/apps/recover/pipeline/recover_options.hpp"
 
@@ -114,7 +114,7 @@ RatioTrial RatioSearch::evaluate(const Eigen::VectorXd& ratios) {
     search.objective_tolerance_per_row =
         std::min(search.objective_tolerance_per_row, objective_tolerance_per_row);
     last_ = map_estimate_from(last_, mechanics->response, mechanics->walls, observations_,
-                              mechanics->priors, search);
+                              mechanics->unknowns, search);
     last_.posterior.reset();  // points into these mechanics
     if (!best_mechanics_ || last_.objective < lowest_) {
         best_mechanics_ = mechanics;
@@ -138,7 +138,7 @@ RatioPosterior RatioSearch::search(const Eigen::VectorXd& ratios) {
 }
 
 MapEstimate RatioSearch::estimate_at(const Mechanics& mechanics) const {
-    return map_estimate(mechanics.response, mechanics.walls, observations_, mechanics.priors,
+    return map_estimate(mechanics.response, mechanics.walls, observations_, mechanics.unknowns,
                         options_.search, progress_);
 }
 

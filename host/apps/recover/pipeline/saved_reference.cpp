@@ -114,9 +114,9 @@ bool is_sound(const SparseEntries& entries) {
            all_below(entries.rows, entries.size) && all_below(entries.columns, entries.size);
 }
 
-bool is_sound(const std::vector<ModulusPrior>& priors, const std::vector<Index>& unknown) {
-    return std::all_of(priors.begin(), priors.end(), [&](const ModulusPrior& prior) {
-        return std::find(unknown.begin(), unknown.end(), prior.region) != unknown.end();
+bool is_sound(const std::vector<Unknown>& moduli, const std::vector<Index>& unknown) {
+    return std::all_of(moduli.begin(), moduli.end(), [&](const Unknown& modulus) {
+        return std::find(unknown.begin(), unknown.end(), modulus.object) != unknown.end();
     });
 }
 
@@ -165,10 +165,10 @@ ResponseModel response_of(SavedReference& saved, const RecoveryModel& recovery) 
 
 Mechanics mechanics_of(SavedReference& saved, const Settings& settings) {
     RecoveryModel recovery = build_model(saved.mesh, settings);
-    require(is_sound(saved.priors, recovery.unknown), "the unknown regions");
+    require(is_sound(saved.unknowns, recovery.unknown), "the unknown regions");
     WallPrior walls = walls_of(saved, recovery, settings.prior);
     ResponseModel response = response_of(saved, recovery);
-    return {std::move(recovery), std::move(walls), std::move(response), std::move(saved.priors),
+    return {std::move(recovery), std::move(walls), std::move(response), std::move(saved.unknowns),
             std::move(saved.condensation)};
 }
 
@@ -189,7 +189,7 @@ SavedReference saved_form(const PreparedReference& prepared, const Settings& set
     saved.mesher = prepared.mesher;
     saved.wall_precision = entries_of(mechanics.walls.precision());
     saved.response = mechanics.response.parts();
-    saved.priors = mechanics.priors;
+    saved.unknowns = mechanics.unknowns;
     saved.condensation = mechanics.condensation;
     return saved;
 }

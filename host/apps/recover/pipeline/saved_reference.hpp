@@ -37,7 +37,7 @@ struct SavedReference {
     MesherSummary mesher;
     SparseEntries wall_precision;  ///< [driven nodes, driven nodes] per mm^2, of one component
     ResponseModel::Parts response;
-    std::vector<ModulusPrior> priors;
+    std::vector<Unknown> unknowns;
     CondensationSummary condensation;  ///< without `linear`
 };
 

@@ -84,8 +84,8 @@ void visit(Stream& stream, SavedReference& saved) {
     SparseEntries& precision = saved.wall_precision;
     stream(precision.size, precision.rows, precision.columns, precision.values);
     visit(stream, saved.response);
-    stream.each(saved.priors, [](auto& inner, ModulusPrior& prior) {
-        inner(prior.region, prior.mean_ln, prior.sd_ln);
+    stream.each(saved.unknowns, [](auto& inner, Unknown& modulus) {
+        inner(modulus.object, modulus.mean, modulus.sd);
     });
     visit(stream, saved.condensation);
 }

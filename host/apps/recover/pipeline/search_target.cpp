@@ -128,7 +128,7 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
         found.estimate = nested_estimate(found.recovery, observations, options, progress);
     } else {
         found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
-                                      mechanics.priors, options.search, progress);
+                                      mechanics.unknowns, options.search, progress);
     }
     found.estimate.noise.reset();  // it points into the observations, which end with the search
     timer.start("solving");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/inverse/column_basis.hpp"
+#include "host/estimate/column_basis.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/inverse/anderson.hpp"
+#include "host/estimate/anderson.hpp"
 
 #include <Eigen/QR>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/inverse/modulus_search.hpp"
+#include "host/estimate/quasi_newton.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A bowl around `truth` whose `bad_call`-th evaluation, and with `for_ever` each later one, is not
 /// finite.
-class FaultyBowl : public ModulusObjective {
+class FaultyBowl : public Objective {
 public:
     FaultyBowl(int bad_call, double bad, bool for_ever = false)
         : bad_call_(bad_call), bad_(bad), for_ever_(for_ever) {}
@@ -36,7 +36,6 @@ public:
         for (const auto& theta : thetas) values.push_back(is_bad() ? bad_ : value(theta));
         return values;
     }
-    Fit fit(const Eigen::VectorXd&) const override { return {}; }
     Eigen::MatrixXd hessian(const Eigen::VectorXd&) const override {
         Eigen::MatrixXd exact = 2 * Eigen::Matrix2d::Identity();
         if (is_bad()) exact(0, 1) = bad_;
@@ -45,7 +44,7 @@ public:
     Eigen::MatrixXd seen_information(const Eigen::VectorXd& theta) const override {
         return hessian(theta);
     }
-    const std::vector<ModulusPrior>& priors() const override { return priors_; }
+    const std::vector<Unknown>& unknowns() const override { return unknowns_; }
 
 private:
     static double value(const Eigen::VectorXd& theta) { return (theta - truth).squaredNorm(); }
@@ -58,19 +57,19 @@ private:
     double bad_;
     bool for_ever_;
     mutable int calls_ = 0;
-    std::vector<ModulusPrior> priors_{{2, 2.0, 1.0}, {3, 2.0, 1.0}};
+    std::vector<Unknown> unknowns_{{2, 2.0, 1.0}, {3, 2.0, 1.0}};
 };
 
-const ModulusBounds wide = same_bounds(2, std::log(0.1), std::log(1e5));
+const Bounds wide = same_bounds(2, std::log(0.1), std::log(1e5));
 
-TEST(ModulusSearch, ScanOverlooksWhatIsNotFinite) {
+TEST(QuasiNewton, ScanOverlooksWhatIsNotFinite) {
     for (const double bad : {std::nan(""), infinity})
         for (int call = 1; call <= 20; ++call)
-            EXPECT_LT((scan_moduli(FaultyBowl(call, bad), wide) - truth).norm(), 1.2) << call;
-    EXPECT_TRUE(scan_moduli(FaultyBowl(1, std::nan(""), true), wide) == Eigen::Vector2d(2, 2));
+            EXPECT_LT((scan_grid(FaultyBowl(call, bad), wide) - truth).norm(), 1.2) << call;
+    EXPECT_TRUE(scan_grid(FaultyBowl(1, std::nan(""), true), wide) == Eigen::Vector2d(2, 2));
 }
 
-TEST(ModulusSearch, EndsInAFinitePointWhateverCallIsNotFinite) {
+TEST(QuasiNewton, EndsInAFinitePointWhateverCallIsNotFinite) {
     const Eigen::Vector2d start(-1, 8);
     for (const double bad : {std::nan(""), infinity, -infinity})
         for (int call = 1; call <= 20; ++call)
@@ -78,11 +77,11 @@ TEST(ModulusSearch, EndsInAFinitePointWhateverCallIsNotFinite) {
                 SCOPED_TRACE(fmt::format("{} at call {}, for ever {}", bad, call, for_ever));
                 const FaultyBowl bowl(call, bad, for_ever);
                 if (call == 1) {
-                    EXPECT_THROW(minimise_moduli(bowl, start, wide), Error);
+                    EXPECT_THROW(minimise_bfgs(bowl, start, wide), Error);
                     continue;
                 }
 
-                const ModulusMinimum found = minimise_moduli(bowl, start, wide);
+                const Minimum found = minimise_bfgs(bowl, start, wide);
 
                 EXPECT_TRUE(found.theta.allFinite());
                 EXPECT_TRUE(std::isfinite(found.gradient_norm));
@@ -93,11 +92,11 @@ TEST(ModulusSearch, EndsInAFinitePointWhateverCallIsNotFinite) {
             }
 }
 
-TEST(ModulusSearch, StaysAtTheBoundsBeyondWhichTheMinimumLies) {
-    const ModulusBounds narrow = same_bounds(2, 2.0, 2.5);
+TEST(QuasiNewton, StaysAtTheBoundsBeyondWhichTheMinimumLies) {
+    const Bounds narrow = same_bounds(2, 2.0, 2.5);
     for (const double start : {2.0, 2.25, 2.5}) {
-        const ModulusMinimum found =
-            minimise_moduli(FaultyBowl(0, 0), Eigen::Vector2d::Constant(start), narrow);
+        const Minimum found =
+            minimise_bfgs(FaultyBowl(0, 0), Eigen::Vector2d::Constant(start), narrow);
         EXPECT_LT((found.theta - Eigen::Vector2d(2.0, 2.5)).norm(), 1e-6) << start;
     }
 }

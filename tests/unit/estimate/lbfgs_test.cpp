@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/inverse/lbfgs.hpp"
+#include "host/estimate/lbfgs.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/inverse/modulus_search.hpp"
+#include "host/estimate/quasi_newton.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -15,34 +15,33 @@ namespace {
 
 constexpr int scan_points = 11;
 constexpr int most_steps = 25;
-constexpr double longest_step = 1.0;      // of ln E
+constexpr double longest_step = 1.0;
 constexpr double small_gradient = 0.003;  // in posterior standard deviations
 
 /// Negative and tiny curvatures are replaced by the prior's, so that the step goes downhill.
 Eigen::MatrixXd made_definite(const Eigen::MatrixXd& hessian,
-                              const std::vector<ModulusPrior>& priors) {
+                              const std::vector<Unknown>& unknowns) {
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
     double smallest = 1e300;
-    for (const auto& prior : priors) {
-        smallest = std::min(smallest, 1.0 / (prior.sd_ln * prior.sd_ln));
-    }
+    for (const Unknown& unknown : unknowns)
+        smallest = std::min(smallest, 1.0 / (unknown.sd * unknown.sd));
     const Eigen::VectorXd values = eigen.eigenvalues().cwiseAbs().cwiseMax(0.1 * smallest);
     return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-Eigen::MatrixXd prior_hessian(const std::vector<ModulusPrior>& priors) {
-    Eigen::VectorXd curvature(static_cast<Eigen::Index>(priors.size()));
+Eigen::MatrixXd prior_hessian(const std::vector<Unknown>& unknowns) {
+    Eigen::VectorXd curvature(static_cast<Eigen::Index>(unknowns.size()));
     for (Eigen::Index k = 0; k < curvature.size(); ++k)
-        curvature[k] = 1 / (priors[k].sd_ln * priors[k].sd_ln);
+        curvature[k] = 1 / (unknowns[k].sd * unknowns[k].sd);
     return curvature.asDiagonal();
 }
 
-bool is_finite(const ModulusObjective::Evaluation& evaluation) {
+bool is_finite(const Objective::Evaluation& evaluation) {
     return std::isfinite(evaluation.objective) && evaluation.gradient.allFinite();
 }
 
-Eigen::VectorXd clamped(const Eigen::VectorXd& theta, const ModulusBounds& bounds) {
-    return theta.cwiseMax(bounds.lower_ln).cwiseMin(bounds.upper_ln);
+Eigen::VectorXd clamped(const Eigen::VectorXd& theta, const Bounds& bounds) {
+    return theta.cwiseMax(bounds.lower).cwiseMin(bounds.upper);
 }
 
 /// BFGS; in one dimension this is the secant rule.
@@ -56,16 +55,16 @@ void update_hessian(const Eigen::VectorXd& step, const Eigen::VectorXd& change,
 
 }  // namespace
 
-ModulusBounds same_bounds(Index num_unknown, double lower_ln, double upper_ln) {
-    return {Eigen::VectorXd::Constant(num_unknown, lower_ln),
-            Eigen::VectorXd::Constant(num_unknown, upper_ln)};
+Bounds same_bounds(Index num_unknown, double lower, double upper) {
+    return {Eigen::VectorXd::Constant(num_unknown, lower),
+            Eigen::VectorXd::Constant(num_unknown, upper)};
 }
 
-Eigen::VectorXd scan_moduli(const ModulusObjective& problem, const ModulusBounds& bounds) {
-    const auto& priors = problem.priors();
+Eigen::VectorXd scan_grid(const Objective& problem, const Bounds& bounds) {
+    const std::vector<Unknown>& unknowns = problem.unknowns();
     const Index n = problem.num_unknown();
     Eigen::VectorXd best(n);
-    for (Index k = 0; k < n; ++k) best[k] = priors[k].mean_ln;
+    for (Index k = 0; k < n; ++k) best[k] = unknowns[k].mean;
     if (n == 0) return best;
     double best_value = std::numeric_limits<double>::infinity();
     const auto offer = [&](const std::vector<Eigen::VectorXd>& points) {
@@ -80,7 +79,7 @@ Eigen::VectorXd scan_moduli(const ModulusObjective& problem, const ModulusBounds
     for (int p = 0; p < scan_points; ++p) {  // prior mean +- 2.5 sd
         const double z = -2.5 + 5.0 * p / (scan_points - 1);
         Eigen::VectorXd theta = best;
-        for (Index k = 0; k < n; ++k) theta[k] += z * priors[k].sd_ln;
+        for (Index k = 0; k < n; ++k) theta[k] += z * unknowns[k].sd;
         together.push_back(clamped(theta, bounds));
     }
     offer(together);
@@ -96,22 +95,22 @@ Eigen::VectorXd scan_moduli(const ModulusObjective& problem, const ModulusBounds
     return best;
 }
 
-ModulusMinimum minimise_moduli(const ModulusObjective& problem, const Eigen::VectorXd& start,
-                               const ModulusBounds& bounds, const Eigen::MatrixXd& hessian) {
-    ModulusMinimum minimum;
+Minimum minimise_bfgs(const Objective& problem, const Eigen::VectorXd& start, const Bounds& bounds,
+                      const Eigen::MatrixXd& hessian) {
+    Minimum minimum;
     minimum.theta = start;
     auto here = problem.evaluate(start, true);
     if (!is_finite(here))
         throw Error(
             ErrorCode::solve_failed,
-            "the objective is not a finite number where the search for moduli starts; check "
-            "the settings for extreme values, or give another --start-kpa");
-    minimum.start_log_determinant = here.log_determinant;
+            "the objective is not a finite number where the search starts; check the settings for "
+            "extreme values, or start elsewhere (--start-kpa)");
+    minimum.start = here;
     const int most = problem.num_unknown() == 0 ? 0 : most_steps;
     minimum.hessian = hessian.size() > 0 ? hessian : problem.hessian(start);
     for (; minimum.steps < most; ++minimum.steps) {
-        if (!minimum.hessian.allFinite()) minimum.hessian = prior_hessian(problem.priors());
-        const Eigen::MatrixXd safe = made_definite(minimum.hessian, problem.priors());
+        if (!minimum.hessian.allFinite()) minimum.hessian = prior_hessian(problem.unknowns());
+        const Eigen::MatrixXd safe = made_definite(minimum.hessian, problem.unknowns());
         Eigen::VectorXd step = -safe.llt().solve(here.gradient);
         minimum.gradient_norm = std::sqrt(std::max(0.0, -here.gradient.dot(step)));
         if (minimum.gradient_norm < small_gradient) break;
@@ -131,8 +130,7 @@ ModulusMinimum minimise_moduli(const ModulusObjective& problem, const Eigen::Vec
         minimum.theta = next;
         here = std::move(there);
     }
-    minimum.log_determinant = here.log_determinant;
-    minimum.fit = problem.fit(minimum.theta);
+    minimum.end = std::move(here);
     return minimum;
 }
 

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+namespace palpate {
+
+/// Standard deviation of ln E that the model itself adds: linear tetrahedra of the default size and
+/// surfaces drawn from voxels.
+constexpr double model_sd_ln = 0.12;
+/// By which what the data tell is less certain than their noise says: the kernel of the contours
+/// and the motion along walls are not known. Where little is told, it is a difference of large
+/// effects, and what is wrong of them is as large as what is told. Of 76 phantoms with exact
+/// contours and 32 with drawn ones, of two generators of which one shares no code with palpate,
+/// the likelihood of the errors was largest with 1.4 (docs/studies.md has those it was tried on).
+constexpr double data_sd_factor = 1.4;
+/// As model_sd_ln, for each mm that the contours of one image are off: distances to a wrong contour
+/// say where along itself a wall has gone, and say it wrongly.
+constexpr double model_sd_ln_per_contour_mm = 1.3;
+constexpr double most_model_sd_ln = 0.8;
+
+/// Both that the model adds together; `contour_mm` is of both images together (NoiseLevel).
+double model_sd_ln_with(double contour_mm);
+
+/// A standard deviation of ln E from the data and a prior, as this says it, and as it is with
+/// the model's own uncertainty:
+///   s^2 = 1 / (i / data_sd_factor^2 + 1 / prior^2) + model^2,   i = 1 / sd^2 - 1 / prior^2.
+double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double contour_mm);
+
+/// The interval with a further, independent standard deviation of ln E added in quadrature on
+/// either side.
+std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa, double best_kpa,
+                                      double sd_ln);
+
+/// An interval that belongs to `sd_ln`, with the same: either side is stretched as the part of the
+/// standard deviation that comes from the data, then the model's is added in quadrature.
+std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa,
+                                       double sd_ln, double prior_sd_ln, double contour_mm = 0);
+
+}  // namespace palpate
