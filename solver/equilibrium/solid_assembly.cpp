@@ -14,11 +14,12 @@
 #include "solver/base/parallel.hpp"
 #include "solver/equilibrium/viscous_response.hpp"
 #include "solver/materials/registry.hpp"
+#include "solver/model/element_parts.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr Index elements_per_thread = 64;
+constexpr Index parts_per_thread = 2;
 
 template <typename Laws>
 struct VariantOf;
@@ -80,7 +81,7 @@ struct SolidAssembly::Tables {
     SolidModel model;
     std::vector<PointGeometry> geometry;
     Adjacency graph;
-    Adjacency colours;
+    ElementParts parts;
     std::vector<AnyLaw> laws;  ///< by region
     /// [num_elements, nodes, nodes] places of the element's blocks in the matrix.
     std::vector<Index> blocks;
@@ -108,7 +109,7 @@ SolidAssembly::Tables::Tables(const SolidModel& from) : model(from) {
     check_model(model);
     geometry = point_geometry(model.mesh);
     graph = node_graph(model.mesh);
-    colours = element_colours(model.mesh);
+    parts = element_parts(model.mesh);
     for (const SolidMaterial& material : model.materials) laws.push_back(law_of(material));
     find_blocks();
 }
@@ -133,10 +134,15 @@ ElementPoints SolidAssembly::Tables::points_of(Index element) const {
 
 template <class Work>
 void SolidAssembly::Tables::for_each_element(Work&& work) const {
-    for (Index c = 0; c < colours.num_lists(); ++c) {
-        const Index first = colours.offsets[c], count = colours.offsets[c + 1] - first;
-        parallel_ranges(count, elements_per_thread, [&](Index begin, Index end) {
-            for (Index k = begin; k < end; ++k) work(colours.items[first + k]);
+    const std::vector<Index>& starts = parts.elements.offsets;
+    for (Index c = 0; c < parts.parts.num_lists(); ++c) {
+        const Index first = parts.parts.offsets[c], count = parts.parts.offsets[c + 1] - first;
+        parallel_ranges(count, parts_per_thread, [&](Index begin, Index end) {
+            for (Index k = begin; k < end; ++k) {
+                const Index part = parts.parts.items[first + k];
+                for (Index e = starts[part]; e < starts[part + 1]; ++e)
+                    work(parts.elements.items[e]);
+            }
         });
     }
 }

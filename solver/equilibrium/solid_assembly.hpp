@@ -35,8 +35,8 @@ struct PointState {
 };
 
 /// Energy, forces and stiffness of a SolidModel at a displacement (total Lagrangian: all integrals
-/// over the undeformed mesh), on the host in fp64. Elements of one colour (`element_colours`) are
-/// added at the same time, colours one after the other, so that sums have a fixed order.
+/// over the undeformed mesh), on the host in fp64. Threads go
+/// through `element_parts`, so that sums have a fixed order.
 class SolidAssembly {
 public:
     /// Copies the model. Throws Error(invalid_argument) as `check_model` and `point_geometry` do.

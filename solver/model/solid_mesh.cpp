@@ -178,29 +178,4 @@ Adjacency node_graph(const SolidMesh& mesh) {
     return graph;
 }
 
-Adjacency element_colours(const SolidMesh& mesh) {
-    const Adjacency around = elements_of_nodes(mesh);
-    std::vector<Index> colour(mesh.region.size(), -1), sizes;
-    std::vector<Index> taken;  // by which element a colour was last seen near another one
-    for (Index e = 0; e < mesh.num_elements(); ++e) {
-        for (const Index node : mesh.nodes_of(e))
-            for (Index k = around.offsets[node]; k < around.offsets[node + 1]; ++k)
-                if (const Index other = colour[around.items[k]]; other >= 0) taken[other] = e;
-        const auto free = std::find_if(taken.begin(), taken.end(), [&](Index t) { return t != e; });
-        colour[e] = static_cast<Index>(free - taken.begin());
-        if (free == taken.end()) {
-            taken.push_back(-1);
-            sizes.push_back(0);
-        }
-        ++sizes[colour[e]];
-    }
-    Adjacency lists;
-    lists.offsets.push_back(0);
-    for (const Index size : sizes) lists.offsets.push_back(lists.offsets.back() + size);
-    lists.items.resize(mesh.region.size());
-    std::vector<Index> next(lists.offsets.begin(), lists.offsets.end() - 1);
-    for (Index e = 0; e < mesh.num_elements(); ++e) lists.items[next[colour[e]]++] = e;
-    return lists;
-}
-
 }  // namespace palpate

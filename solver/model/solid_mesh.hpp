@@ -67,8 +67,4 @@ std::vector<PointGeometry> point_geometry(const SolidMesh& mesh);
 /// For every node itself and the nodes that share an element with it, ascending.
 Adjacency node_graph(const SolidMesh& mesh);
 
-/// Lists of elements such that no two elements of a list share a node: those of one list may be
-/// added to nodes at the same time. Every element is in one list, ascending.
-Adjacency element_colours(const SolidMesh& mesh);
-
 }  // namespace palpate

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
-#include <set>
 
 #include "solver/base/error.hpp"
 #include "solver/model/quadratic_mesh.hpp"
@@ -113,21 +112,6 @@ TEST(SolidMesh, TheHoopStrainOfARadialStretchIsTheStretch) {
                 hoop += geometry[4 * e + q].hoop[a] * 0.07 * mesh.nodes[mesh.nodes_of(e)[a]].x();
             EXPECT_NEAR(hoop, 0.07, 1e-14);
         }
-}
-
-TEST(SolidMesh, NoTwoElementsOfAColourShareANode) {
-    for (const SolidMesh& mesh : every_kind()) {
-        const Adjacency colours = element_colours(mesh);
-        EXPECT_EQ(colours.items.size(), mesh.region.size());
-        EXPECT_EQ(std::set<Index>(colours.items.begin(), colours.items.end()).size(),
-                  mesh.region.size());
-        for (Index c = 0; c < colours.num_lists(); ++c) {
-            std::set<Index> seen;
-            for (Index k = colours.offsets[c]; k < colours.offsets[c + 1]; ++k)
-                for (const Index node : mesh.nodes_of(colours.items[k]))
-                    EXPECT_TRUE(seen.insert(node).second) << mesh.table().name;
-        }
-    }
 }
 
 TEST(SolidMesh, TheGraphHasEveryPairOfAnElement) {
