@@ -32,6 +32,7 @@ struct EquilibriumOptions {
     double first_step = 1.0;      ///< part of the load that is tried first
     double smallest_step = 1e-3;  ///< below it the solve gives up
     MatrixSolverOptions linear;   ///< how the tangent is solved with
+    ElementLoopOptions loops;     ///< of assemblies that are made on the way (`solve_history`)
 };
 
 /// One Newton step, for tables and plots.

@@ -29,6 +29,11 @@ struct VariantOf<std::tuple<Laws...>> {
 };
 using AnyLaw = VariantOf<MaterialLaws<double>>::Type;
 
+const SolidModel& checked(const SolidModel& model) {
+    check_model(model);
+    return model;
+}
+
 AnyLaw law_of(const SolidMaterial& material) {
     std::optional<AnyLaw> found;
     with_material_law<double>(material.law, material.parameters,
@@ -87,8 +92,11 @@ struct SolidAssembly::Tables {
     std::vector<Index> blocks;
     std::vector<double> factor;              ///< of `ViscousStep`, by region; empty: elastic
     std::vector<Tensor3<double>> prestress;  ///< [num_elements, num_points]
+    ElementLoops loops;
 
-    explicit Tables(const SolidModel& from);
+    Tables(const SolidModel& from, const ElementLoopOptions& options);
+    /// Whether the laws alone are asked, and a device has them.
+    bool are_on_device() const { return loops.are_on_device() && factor.empty(); }
     ElementPoints points_of(Index element) const;
     /// The part of [num_elements, num_points] that belongs to an element.
     template <class List>
@@ -105,8 +113,8 @@ struct SolidAssembly::Tables {
     void for_each_element(Work&& work) const;
 };
 
-SolidAssembly::Tables::Tables(const SolidModel& from) : model(from) {
-    check_model(model);
+SolidAssembly::Tables::Tables(const SolidModel& from, const ElementLoopOptions& options)
+    : model(checked(from)), loops(model, options) {
     geometry = point_geometry(model.mesh);
     graph = node_graph(model.mesh);
     parts = element_parts(model.mesh);
@@ -166,15 +174,25 @@ void SolidAssembly::Tables::with_laws(Index element, Work&& work) const {
         laws[region]);
 }
 
-SolidAssembly::SolidAssembly(const SolidModel& model) : tables_(std::make_unique<Tables>(model)) {}
+SolidAssembly::SolidAssembly(const SolidModel& model, const ElementLoopOptions& loops)
+    : tables_(std::make_unique<Tables>(model, loops)) {}
 
 SolidAssembly::~SolidAssembly() = default;
 
 const SolidModel& SolidAssembly::model() const { return tables_->model; }
 
+const ElementLoopInfo& SolidAssembly::loops() const { return tables_->loops.describe(); }
+
 InternalForce SolidAssembly::internal_force(const Eigen::VectorXd& u) const {
     const Tables& tables = *tables_;
     InternalForce result;
+    if (tables.are_on_device()) {
+        const SolidForce found = tables.loops.internal_force(u);
+        result.energy = found.energy;
+        result.force = Eigen::Map<const Eigen::VectorXd>(found.force.data(), u.size());
+        result.is_valid = found.is_valid;
+        return result;
+    }
     result.force.setZero(tables.model.num_dofs());
     std::vector<double> energy(tables.model.mesh.region.size());
     tables.for_each_element([&](Index e) {
@@ -202,6 +220,7 @@ BlockMatrix SolidAssembly::make_matrix() const {
 
 void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const {
     const Tables& tables = *tables_;
+    if (tables.are_on_device()) return tables.loops.tangent(u, matrix);
     std::fill(matrix.blocks.begin(), matrix.blocks.end(), 0.0);
     tables.for_each_element([&](Index e) {
         const ElementPoints points = tables.points_of(e);
@@ -221,6 +240,7 @@ void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const
 std::vector<std::vector<double>> SolidAssembly::parameter_products(
     const Eigen::VectorXd& u, const Eigen::VectorXd& lambda) const {
     const Tables& tables = *tables_;
+    if (tables.are_on_device()) return tables.loops.parameter_products(u, lambda);
     ElementSlopes slopes(tables.model);
     tables.for_each_element([&](Index e) {
         tables.with_laws(e, [&](const auto& law_at) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solver/base/tensor3.hpp"
+#include "solver/equilibrium/element_loops.hpp"
 #include "solver/model/block_matrix.hpp"
 #include "solver/model/solid_model.hpp"
 
@@ -35,15 +36,19 @@ struct PointState {
 };
 
 /// Energy, forces and stiffness of a SolidModel at a displacement (total Lagrangian: all integrals
-/// over the undeformed mesh), on the host in fp64. Threads go
-/// through `element_parts`, so that sums have a fixed order.
+/// over the undeformed mesh), in fp64. Forces, tangents and parameter products of the laws alone
+/// run where `ElementLoopOptions` says; the rest, and everything during a viscous step, on the
+/// host, where threads go through `element_parts`, so that sums have a fixed order.
 class SolidAssembly {
 public:
-    /// Copies the model. Throws Error(invalid_argument) as `check_model` and `point_geometry` do.
-    explicit SolidAssembly(const SolidModel& model);
+    /// Copies the model. Throws Error(invalid_argument) as `check_model` and `point_geometry` do,
+    /// and as `ElementLoops`.
+    explicit SolidAssembly(const SolidModel& model, const ElementLoopOptions& loops = {});
     ~SolidAssembly();
 
     const SolidModel& model() const;
+    /// Who runs the element loops.
+    const ElementLoopInfo& loops() const;
     /// u [3 num_nodes] mm.
     InternalForce internal_force(const Eigen::VectorXd& u) const;
     /// From now on materials with relaxation answer as `ViscousStep` says; at first as their laws.

@@ -27,7 +27,7 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
                                        const EquilibriumOptions& options,
                                        const ProgressSink& progress, const TimeObserver& observer) {
     check_times(times);
-    SolidAssembly solid(model);
+    SolidAssembly solid(model, options.loops);
     ViscousHistory history(model);
     std::vector<Equilibrium> states;
     EquilibriumStart start;

@@ -269,6 +269,34 @@ def test_the_folder_holds_a_series_a_page_and_a_record(tmp_path):
     assert "<h1>Pull</h1>" in page and page.count("<svg") == 7 and "<script" not in page
 
 
+@pytest.mark.parametrize("backend", ["auto", "reference", "opencl"])
+def test_the_result_says_who_solved_and_gives_the_same_forces(tmp_path, backend):
+    text = BOX.replace("[2, 2, 2]", "[14, 14, 14]") + MATERIAL + SMOOTH_BOX + TOP
+    if backend == "opencl" and "opencl" not in run_palpate("devices").stdout.lower():
+        pytest.skip("this machine has no OpenCL device")
+
+    finished, out = simulate(tmp_path, text, "--backend", backend)
+
+    assert finished.returncode == 0, finished.stderr
+    record = json.loads((out / "simulation.json").read_text())
+    solver, loops = record["linear_solver"], record["element_loops"]
+    if backend == "reference":
+        assert solver["method"] == "direct" and loops["device"] == "host"
+    if backend == "opencl":
+        assert solver["method"] == "multigrid" and solver["backend"] == loops["backend"] == "opencl"
+    assert solver["reason"] and loops["reason"]
+    stress, _ = uniaxial(1.2)
+    assert record["states"][-1]["force_mn"]["top"][2] == pytest.approx(12 * stress, rel=1e-6)
+
+
+def test_a_back_end_that_is_not_there_is_a_mistake(tmp_path):
+    text = BOX + MATERIAL + SMOOTH_BOX + TOP
+    finished, out = simulate(tmp_path, text, "--backend", "opencl", "--device", "no such device")
+
+    assert finished.returncode == 8 and "no such device" in finished.stderr
+    assert not out.exists()
+
+
 def test_the_same_model_gives_the_same_numbers(tmp_path):
     texts = []
     for name in "ab":

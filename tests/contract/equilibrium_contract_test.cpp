@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include "solver/adjoint/solid_adjoint.hpp"
+#include "solver/base/error.hpp"
 #include "solver/equilibrium/newton.hpp"
 #include "solver/linear/matrix_solver.hpp"
 #include "solver/model/quadratic_mesh.hpp"
@@ -262,6 +264,81 @@ TEST(AutomaticEquilibrium, FactorisesWhereConjugateGradientsFail) {
 
     EXPECT_EQ(used.method, LinearMethod::direct);
     EXPECT_NE(used.reason.find("2 conjugate gradients"), std::string::npos) << used.reason;
+}
+
+class ElementLoopsContract : public testing::TestWithParam<std::string> {
+protected:
+    void SetUp() override {
+        if (const auto reason = reason_to_skip(GetParam(), {Precision::double_, {}, ""}))
+            GTEST_SKIP() << *reason;
+        options.backend = GetParam();
+        options.is_by_name = true;
+    }
+
+    ElementLoopOptions options;
+};
+
+TEST_P(ElementLoopsContract, AreThoseOfTheHost) {
+    for (const SolidMaterial& material : solid_materials()) {
+        const LoadedModel work = between_plates(solid_model(box_of(true), material), Vec3::Zero());
+        const SolidAssembly host(work.model), device(work.model, options);
+        const Eigen::VectorXd u = 0.02 * random_columns(work.model.num_dofs(), 1, 3).col(0);
+        const Eigen::VectorXd lambda = random_columns(work.model.num_dofs(), 1, 4).col(0);
+        BlockMatrix expected = host.make_matrix(), found = device.make_matrix();
+        const InternalForce of_host = host.internal_force(u), of_device = device.internal_force(u);
+        host.tangent(u, expected);
+        device.tangent(u, found);
+
+        EXPECT_EQ(device.loops().device.backend, GetParam());
+        EXPECT_NEAR(of_device.energy, of_host.energy, 1e-9 * of_host.energy);
+        EXPECT_LE((of_device.force - of_host.force).norm(), 1e-9 * of_host.force.norm());
+        const auto blocks = [](const BlockMatrix& matrix) {
+            return Eigen::Map<const Eigen::VectorXd>(matrix.blocks.data(), matrix.blocks.size());
+        };
+        EXPECT_LE((blocks(found) - blocks(expected)).norm(), 1e-9 * blocks(expected).norm());
+        const auto slopes = host.parameter_products(u, lambda);
+        EXPECT_NEAR(device.parameter_products(u, lambda)[0][0], slopes[0][0],
+                    1e-9 * std::abs(slopes[0][0]))
+            << material.law;
+    }
+}
+
+TEST_P(ElementLoopsContract, LeadToTheSameEquilibrium) {
+    const LoadedModel work = pressed_box(few_cells);
+    const SolidAssembly host(work.model), device(work.model, options);
+
+    const Equilibrium expected = solve_equilibrium(host, work.loads, {});
+    const Equilibrium found = solve_equilibrium(device, work.loads, {});
+
+    ASSERT_TRUE(found.converged) << found.message;
+    EXPECT_LE((found.displacement - expected.displacement).norm(),
+              same_place * expected.displacement.norm());
+}
+
+TEST_P(ElementLoopsContract, TheHostDoesWhatADeviceCannotAndSaysSo) {
+    SolidModel model = pressed_box(few_cells).model;
+    model.volume = VolumeTreatment::element_mean;
+    if (GetParam() != "reference") {
+        const SolidAssembly of_mean_volumes(model, options);
+        EXPECT_EQ(of_mean_volumes.loops().device.device, "host");
+        EXPECT_NE(of_mean_volumes.loops().reason.find("mean volume"), std::string::npos);
+    }
+
+    model.volume = VolumeTreatment::pointwise;
+    model.materials[0].relaxation = {{0.5, 1.0}};
+    EXPECT_NE(SolidAssembly(model, options).loops().reason.find("relaxation"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryBackend, ElementLoopsContract, testing::ValuesIn(backend_names()));
+
+TEST(ElementLoops, SmallMeshesStayOnTheHostUnlessABackEndIsNamed) {
+    const SolidModel model = pressed_box(few_cells).model;
+
+    const SolidAssembly solid(model, {"no such back end", {}, false});
+
+    EXPECT_EQ(solid.loops().device.device, "host");
+    EXPECT_EQ(solid.loops().reason, "a small mesh");
+    EXPECT_THROW(SolidAssembly(model, {"no such back end", {}, true}), Error);
 }
 
 }  // namespace

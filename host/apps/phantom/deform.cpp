@@ -88,7 +88,8 @@ Deformation deform_linear(const WallProblem& problem, double load_factor,
 Deformation deform_finite(const WallProblem& problem, TissueLaw law, double load_factor,
                           const LinearSolverOptions& options, const ProgressSink& progress) {
     constexpr double step = 0.95, least_scale = 0.05;
-    const SolidAssembly solid(solid_model_of(problem.model, law));
+    const SolidAssembly solid(solid_model_of(problem.model, law),
+                              {options.backend, options.device});
     EquilibriumOptions solve;
     solve.linear = matrix_solver_options(options);
     SolidLoads loads{problem.prescribed_mm, Eigen::VectorXd::Zero(problem.model.num_dofs())};

@@ -109,6 +109,7 @@ void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& t
             const std::size_t step = result.steps.size();
             const double reached_s = time_of(prepared, step, found.load);
             if (found.tangent) result.tangents = found.tangent->solver();
+            result.loops = solid.loops();
             result.steps.push_back({time_of(prepared, step, 1), reached_s, found.relative_residual,
                                     found.converged, found.message, found.records});
             if (found.load == 0) return;

@@ -41,8 +41,9 @@ struct SimulationResult {
     std::vector<SimulationState> states;  ///< the first is the body at rest
     std::vector<SimulationStep> steps;    ///< the last may not have converged
     double num_explicit_steps = 0, longest_explicit_step_s = 0;  ///< of a motion
-    /// Who solved with the last tangent; none of a motion.
+    /// Who solved with the last tangent, and who had the element loops; none of a motion.
     std::optional<LinearSolverInfo> tangents;
+    std::optional<ElementLoopInfo> loops;
     double seconds = 0;  ///< of the solve
 
     bool converged() const { return steps.back().converged; }

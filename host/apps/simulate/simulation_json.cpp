@@ -170,6 +170,13 @@ Json solver_json(const std::optional<LinearSolverInfo>& solver) {
             {"reason", solver->reason}};
 }
 
+Json loops_json(const std::optional<ElementLoopInfo>& loops) {
+    if (!loops) return nullptr;
+    return {{"backend", loops->device.backend},
+            {"device", loops->device.device},
+            {"reason", loops->reason}};
+}
+
 }  // namespace
 
 std::string simulation_json(const SimulationResult& result) {
@@ -184,6 +191,7 @@ std::string simulation_json(const SimulationResult& result) {
               {"message", convergence_sentence(result)},
               {"seconds", number(result.seconds)},
               {"linear_solver", solver_json(result.tangents)},
+              {"element_loops", loops_json(result.loops)},
               {"settings", settings_json(result)}};
     for (const SimulationStep& step : result.steps) json["steps"].push_back(step_json(step));
     for (std::size_t k = 0; k < result.states.size(); ++k)

@@ -197,6 +197,8 @@ std::string details(const SimulationResult& result) {
         add("Tangents", fmt::format("{}{} on {} ({})", name_of(solver->method),
                                     solver->library.empty() ? "" : ", " + solver->library,
                                     solver->device.device, solver->reason));
+    if (const auto& loops = result.loops)
+        add("Element loops", fmt::format("on {} ({})", loops->device.device, loops->reason));
     return out + "</dl>";
 }
 

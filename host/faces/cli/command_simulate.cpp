@@ -31,6 +31,8 @@ int run_simulate(const SimulateArguments& arguments) {
     const auto progress = limit.watched(console_progress(arguments.quiet));
     SimulationSettings settings = read_simulation(arguments.model);
     settings.newton.linear = tangent_options(arguments.solver);
+    settings.newton.loops = {settings.newton.linear.backend, settings.newton.linear.device,
+                             arguments.solver.backend != "auto"};
     const SimulationResult result = run_simulation(settings, progress);
     report_progress(progress, "writing", 0, "result folder");
     write_simulation(result, arguments.out, arguments.overwrite);

@@ -115,7 +115,9 @@ void Rounds::find_equilibrium() {
     for (std::size_t k = 0; k < rest_.unknowns.size(); ++k)
         model_.materials[rest_.unknowns[k].object].stiffness_kpa =
             std::exp(found_.estimate.theta[static_cast<Index>(k)]);
-    found_.solid = std::make_shared<SolidAssembly>(solid_model_of(model_, law_));
+    found_.solid = std::make_shared<SolidAssembly>(
+        solid_model_of(model_, law_),
+        ElementLoopOptions{options_.solver.backend, options_.solver.device});
     Equilibrium state = equilibrium_from(found_.state.displacement);
     if (!state.converged && found_.state.displacement.size() > 0) state = equilibrium_from({});
     found_.state = std::move(state);
