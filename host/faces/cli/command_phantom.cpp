@@ -95,7 +95,8 @@ void add_phantom(CLI::App& app, Run& run) {
     pelvis
         ->add_option(
             "--target", options.target,
-            "Number of the target: of one seed each is drawn anew, with the same reference")
+            "Number of the target: reference and load are those of the seed, the contours of each "
+            "target are drawn anew (see --contours, --load-factor)")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     pelvis
