@@ -52,7 +52,8 @@ ElementLoops::ElementLoops(const SolidModel& model, const ElementLoopOptions& op
     } catch (const Error& error) {
         const bool lacks_feature =
             error.code() == ErrorCode::unsupported && is_in_this_build(options.backend);
-        const bool is_missing = error.code() == ErrorCode::device_unavailable;
+        const bool is_missing = error.code() == ErrorCode::device_unavailable ||
+                                error.code() == ErrorCode::kernel_build_failed;
         if (!lacks_feature && (!is_missing || options.is_by_name)) throw;
         backend_.reset();
         info_.reason = error.what();

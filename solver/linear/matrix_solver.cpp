@@ -104,13 +104,13 @@ public:
         matrix_.blocks = matrix.blocks;
         shift_ = shift;
         is_indefinite_ = false;
-        return device_->set(matrix, shift) || fall_back();
+        return device_does([&] { return device_->set(matrix, shift); }) || fall_back();
     }
 
     bool solve(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) override {
         {
             const std::lock_guard<std::mutex> lock(mutex_);
-            if (device_ && device_->solve(right, x)) return true;
+            if (device_ && device_does([&] { return device_->solve(right, x); })) return true;
             if (device_ && !fall_back()) return false;
         }
         return factor_->solve(right, x);  // from any number of threads
@@ -136,23 +136,38 @@ private:
 
     void use_device_because(const std::string& reason) {
         options_.method = LinearMethod::multigrid;
-        try {
+        const bool is_made = device_does([&] {
             device_ = make_gradient_solver(mesh(), options_);
+            return true;
+        });
+        if (is_made)
             reason_ = reason;
+        else
+            factorise_because("no device: " + device_failure_);
+    }
+
+    /// Whether `work` succeeds. That there is no device to work with is a failure like any other.
+    template <class Work>
+    bool device_does(const Work& work) {
+        try {
+            if (work()) return true;
+            device_failure_ = device_->failure();
         } catch (const Error& error) {
-            if (error.code() != ErrorCode::device_unavailable) throw;
-            factorise_because(std::string("no device: ") + error.what());
+            const ErrorCode code = error.code();
+            if (code != ErrorCode::device_unavailable && code != ErrorCode::kernel_build_failed)
+                throw;  // a device that breaks while it works is told
+            device_failure_ = error.what();
         }
+        return false;
     }
 
     /// Whether the matrix that the device failed at has a factor: it then serves from now on.
     bool fall_back() {
-        const std::string failure = device_->failure();
         if (!factor_) factor_ = make_factor_solver(mesh(), options_);
         is_indefinite_ = !factor_->set(matrix_, shift_);
         if (is_indefinite_) return false;  // both agree
         device_.reset();
-        reason_ = "the device gave up: " + failure;
+        reason_ = "the device gave up: " + device_failure_;
         return true;
     }
 
@@ -165,7 +180,7 @@ private:
     std::unique_ptr<MatrixSolver> factor_;
     std::mutex mutex_;
     bool is_indefinite_ = false;
-    std::string reason_, none_;
+    std::string reason_, device_failure_, none_;
 };
 
 }  // namespace

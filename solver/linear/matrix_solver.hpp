@@ -16,7 +16,7 @@ namespace palpate {
 /// How a tangent is solved with.
 struct MatrixSolverOptions {
     /// `automatic`: factorised on the host where that is small, else multigrid on the back end; the
-    /// host again where there is no device, or where conjugate gradients fail.
+    /// host again where there is no device that can be used, or where conjugate gradients fail.
     LinearMethod method = LinearMethod::direct;
     std::string direct_library = {};  ///< of a factorisation, see `make_sparse_factor`
     std::string backend = "opencl";   ///< where conjugate gradients run
