@@ -111,7 +111,7 @@ void report(benchmark::State& state, const Recovered& found) {
     state.counters["low_kpa"] = found.estimate.interval_kpa[0][0];
     state.counters["high_kpa"] = found.estimate.interval_kpa[0][1];
     state.counters["iterations"] = found.estimate.termination.iterations;
-    state.counters["tets"] = found.mesh.mesh.num_tets();
+    state.counters["tets"] = found.recovery.model.mesh.num_elements();
     state.counters["surface_dofs"] =
         3.0 * static_cast<double>(found.recovery.driven.size() + found.recovery.observed.size());
 }

@@ -132,9 +132,13 @@ void SettingsTable::allow_keys(const std::vector<std::string_view>& keys) const 
     for (const auto& [key, value] : *node_->table) {
         if (std::find(keys.begin(), keys.end(), key.str()) != keys.end()) continue;
         std::string guess;
-        for (std::string_view known : keys)
-            if (edit_distance(key.str(), known) <= 2)
-                guess = fmt::format(" (did you mean '{}'?)", known);
+        std::size_t nearest = 3;  // letters: farther away it is another word
+        for (std::string_view known : keys) {
+            const std::size_t distance = edit_distance(key.str(), known);
+            if (distance >= nearest) continue;
+            nearest = distance;
+            guess = fmt::format(" (did you mean '{}'?)", known);
+        }
         refuse(key.str(),
                fmt::format("not known here{}; known keys: {}", guess, fmt::join(keys, ", ")));
     }
@@ -228,6 +232,26 @@ std::optional<std::string> SettingsTable::text(std::string_view key) const {
     const toml::node* node = node_->table->get(key);
     if (!node->is_string()) refuse(key, "allowed: text in quotes");
     return node->value<std::string>();
+}
+
+std::optional<SettingValue> SettingsTable::value(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    const toml::node& node = *node_->table->get(key);
+    if (node.is_boolean()) return node.value<bool>();
+    if (node.is_integer()) return node.value<std::int64_t>();
+    if (node.is_floating_point()) return node.value<double>();
+    if (node.is_string()) return node.value<std::string>();
+    const toml::array* list = node.as_array();
+    std::vector<double> numbers;
+    std::vector<std::string> texts;
+    for (std::size_t k = 0; list && k < list->size(); ++k) {
+        const toml::node& item = *list->get(k);
+        if (item.is_number()) numbers.push_back(*item.value<double>());
+        if (item.is_string()) texts.push_back(*item.value<std::string>());
+    }
+    if (list && texts.size() == list->size()) return texts;
+    if (list && numbers.size() == list->size()) return numbers;
+    refuse(key, "allowed: a number, text in quotes, true, false, or a list of numbers or of texts");
 }
 
 std::optional<std::string> SettingsTable::choice(

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace palpate {
@@ -20,6 +22,10 @@ struct NumberRange {
 /// Every number but infinite ones and NaN.
 inline constexpr NumberRange any_number{-std::numeric_limits<double>::max(),
                                         std::numeric_limits<double>::max()};
+
+/// What a key can hold. A list of whole numbers is one of numbers.
+using SettingValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>,
+                                  std::vector<std::string>>;
 
 /// One table of a TOML document, read strictly: every complaint is an Error(invalid_argument) of
 /// the form "file, line n: [table]: key 'k' is v; allowed: ...". Keeps the toml library out of
@@ -44,6 +50,9 @@ public:
     std::optional<int> whole_number(std::string_view key, int low, int high) const;
     std::optional<bool> yes_or_no(std::string_view key) const;
     std::optional<std::string> text(std::string_view key) const;
+    /// Whatever the key holds, for those who judge it themselves; empty if the key is absent.
+    /// Refuses tables, times and lists of mixed things. An empty list is one of texts.
+    std::optional<SettingValue> value(std::string_view key) const;
     /// Text that must be one of `choices`.
     std::optional<std::string> choice(std::string_view key,
                                       std::initializer_list<std::string_view> choices) const;

@@ -79,6 +79,8 @@ void HistoryAdjoint::remember() {
     ViscousHistory history(solid_.model());
     for (std::size_t i = 0; i < times_.size(); ++i) {
         histories_.push_back(history);
+        // S_n and h_k of every step's beginning, from the displacements that were found (method.md,
+        // 9.6)
         history.begin_step(dt_s(i), solid_);
         history.end_step(dt_s(i), solid_, states_[i].displacement);
     }
@@ -102,6 +104,9 @@ void HistoryAdjoint::step_back(std::size_t i, const Eigen::VectorXd& dj_du,
     enter_step(i);
     const Eigen::VectorXd& u = states_[i].displacement;
     const ContactAssembly& contact = tangent_.contact();
+    // Everything that u_i does to J: by itself, by the stress and the friction that it leaves to
+    // the
+    // next step, and by being where that step began. K^T lambda = total (method.md, 9.13).
     const auto stress_slope = histories_[i].stress_slope(dt_s(i), by_history_);
     Eigen::VectorXd total = by_displacement_ + solid_.elastic_stress_gradient(u, stress_slope) +
                             contact.friction_gradient(u, by_friction_);
@@ -113,11 +118,13 @@ void HistoryAdjoint::step_back(std::size_t i, const Eigen::VectorXd& dj_du,
                                 "not defined; the body is not stable there",
                                 times_[i].time_s));
 
+    // dJ/dforce = lambda; dJ/du_p = (total - K^T lambda)_p at prescribed dofs (method.md, 9.12)
     gradient.force[i] = lambda;
     gradient.displacement[i] = total - tangent_.times(lambda);
     for (Eigen::Index d = 0; d < u.size(); ++d)
         if (!solid_.model().prescribed[d]) gradient.displacement[i][d] = 0;
 
+    // -lambda . df_i by motions, friction and displacement at the step's beginning: handed back
     const ContactGradient by_contact = contact.start_gradient(u, lambda, by_friction_);
     for (std::size_t c = 0; c < by_motion_.size(); ++c)
         gradient.obstacle_motion[i].push_back(by_motion_[c] + by_contact.motion[c]);
@@ -128,7 +135,9 @@ void HistoryAdjoint::step_back(std::size_t i, const Eigen::VectorXd& dj_du,
     const ViscousSlopes by_step = solid_.viscous_slopes(u, lambda, stress_slope);
     for (std::size_t m = 0; m < by_step.parameters.size(); ++m)
         for (std::size_t k = 0; k < by_step.parameters[m].size(); ++k)
+            // dJ/dp = sum over steps of -lambda_i . df_i/dp (method.md, 9.14)
             gradient.parameters[m][k] += by_step.parameters[m][k];
+    // The slopes by h_k and S_n for the step before, and those by C_k and tau_k (method.md, 9.6).
     by_history_ = histories_[i].slopes_before(dt_s(i), by_history_, by_step,
                                               histories_[i + 1].stress(), gradient.relaxation);
 }

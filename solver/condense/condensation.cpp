@@ -24,7 +24,7 @@ struct NodeRoles {
     std::vector<Index> position;  ///< [num_nodes] in its own list, -1 for interior nodes
 };
 
-NodeRoles assign_roles(const Model& model, const std::vector<Index>& observed,
+NodeRoles assign_roles(const SolidModel& model, const std::vector<Index>& observed,
                        const std::vector<Index>& driven) {
     NodeRoles roles{std::vector<Role>(model.mesh.nodes.size(), Role::interior),
                     std::vector<Index>(model.mesh.nodes.size(), -1)};
@@ -52,18 +52,20 @@ NodeRoles assign_roles(const Model& model, const std::vector<Index>& observed,
     return roles;
 }
 
-bool is_fully_prescribed(const Model& model, Index node) {
+bool is_fully_prescribed(const SolidModel& model, Index node) {
     return model.prescribed[3 * node] && model.prescribed[3 * node + 1] &&
            model.prescribed[3 * node + 2];
 }
 
 /// An interior node of two regions would couple them, and S(E) = sum E_r S_r would not hold.
-void require_separate_interiors(const Model& model, const NodeRoles& roles) {
+void require_separate_interiors(const SolidModel& model, const NodeRoles& roles) {
     std::vector<Index> region_of(model.mesh.nodes.size(), -1);
-    for (Index t = 0; t < model.mesh.num_tets(); ++t)
-        for (Index n : model.mesh.tets[t]) {
+    for (Index e = 0; e < model.mesh.num_elements(); ++e)
+        for (const Index n : model.mesh.nodes_of(e)) {
             if (roles.role[n] != Role::interior || is_fully_prescribed(model, n)) continue;
-            const Index region = model.mesh.region[t];
+            const Index region = model.mesh.region[e];
+            // K_ii would have blocks of both regions, E_r K_r,ii + E_s K_s,ii, whose inverse is no
+            // sum.
             if (region_of[n] >= 0 && region_of[n] != region)
                 throw Error(ErrorCode::invalid_argument,
                             "Condensation: node " + std::to_string(n) + " lies between region " +
@@ -75,28 +77,29 @@ void require_separate_interiors(const Model& model, const NodeRoles& roles) {
         }
 }
 
-/// The tets of one region as a model of its own, at unit modulus, with every observed and driven
-/// node prescribed.
+/// The elements of one region as a model of its own, at unit modulus, with every observed and
+/// driven node prescribed.
 struct SubModel {
-    Model model;
+    SolidModel model;
     std::vector<Index> nodes;           ///< their numbers in the whole model
     std::vector<Index> observed_nodes;  ///< node numbers in `model`, in the order of the list
     std::vector<Index> driven_nodes;
     CondensedRegion block;  ///< `region`, `observed` and `driven` are filled in
 };
 
-SubModel extract_region(const Model& model, const NodeRoles& roles, Index region) {
+SubModel extract_region(const SolidModel& model, const NodeRoles& roles, Index region) {
     SubModel sub;
     sub.block.region = region;
+    sub.model.mesh.type = model.mesh.type;
     std::vector<Index> local(model.mesh.nodes.size(), -1);
     std::vector<std::pair<Index, Index>> observed, driven;  // position in the list, local node
-    for (Index t = 0; t < model.mesh.num_tets(); ++t) {
-        if (model.mesh.region[t] != region) continue;
-        Tet tet;
-        for (int a = 0; a < 4; ++a) {
-            const Index n = model.mesh.tets[t][a];
+    for (Index e = 0; e < model.mesh.num_elements(); ++e) {
+        if (model.mesh.region[e] != region) continue;
+        for (const Index n : model.mesh.nodes_of(e)) {
             if (local[n] < 0) {
                 local[n] = sub.model.mesh.num_nodes();
+                // Boundary nodes b are prescribed, interior nodes i free: the solves are with
+                // K_r,ii.
                 sub.model.mesh.nodes.push_back(model.mesh.nodes[n]);
                 sub.nodes.push_back(n);
                 const bool boundary = roles.role[n] != Role::interior;
@@ -106,13 +109,14 @@ SubModel extract_region(const Model& model, const NodeRoles& roles, Index region
                     observed.emplace_back(roles.position[n], local[n]);
                 if (roles.role[n] == Role::driven) driven.emplace_back(roles.position[n], local[n]);
             }
-            tet[a] = local[n];
+            sub.model.mesh.elements.push_back(local[n]);
         }
-        sub.model.mesh.tets.push_back(tet);
         sub.model.mesh.region.push_back(0);
     }
-    if (sub.model.mesh.tets.empty()) return sub;
-    sub.model.materials = {{1.0, model.materials[region].poisson_ratio}};
+    if (sub.model.mesh.region.empty()) return sub;
+    // K_r at 1 kPa: S(E) = sum_r E_r S_r then holds for every modulus (method.md, 1.3).
+    sub.model.materials = {model.materials[region]};
+    sub.model.materials[0].parameters[0] = 1;
     std::sort(observed.begin(), observed.end());
     std::sort(driven.begin(), driven.end());
     for (const auto& [position, node] : observed) {
@@ -141,6 +145,7 @@ void set_force(SubModel& sub, const Eigen::VectorXd& force) {
 void require_held(const SubModel& sub) {
     const Adjacency graph = node_graph(sub.model.mesh);
     const Index num_nodes = sub.model.mesh.num_nodes();
+    // Spreads from all held nodes along the edges of the mesh; what is not reached floats.
     std::vector<unsigned char> reached(num_nodes, 0);
     std::vector<Index> front;
     for (Index n = 0; n < num_nodes; ++n)
@@ -173,6 +178,8 @@ Eigen::MatrixXd reactions(const StiffnessMatrix& stiffness, const std::vector<In
     Columns force(3 * nodes.size(), x.cols());
     parallel_ranges(static_cast<Index>(nodes.size()), 64, [&](Index begin, Index end) {
         for (Index i = begin; i < end; ++i)
+            // rows of K_r x at the nodes asked for: with x = [1; -K_ii^-1 K_ib], K x = S at nodes
+            // of b
             multiply_rows(stiffness, nodes[i], nodes[i] + 1, x.data(), static_cast<Index>(x.cols()),
                           {}, force.row(3 * i).data());
     });
@@ -210,10 +217,13 @@ public:
         sub.block.observed_driven.resize(num_columns, 3 * sub.driven_nodes.size());
         for (Index first = 0; first < num_columns; first += columns_per_call) {
             const Index count = std::min(columns_per_call, num_columns - first);
+            // Columns of S_r = K_bb - K_bi K_ii^-1 K_ib (method.md, 1.2), those of observed dofs
+            // only.
             const Columns x = solve_unit_displacements(sub, *region, first, count);
             sub.block.observed_observed.middleCols(first, count) =
                 reactions(region->stiffness(), sub.observed_nodes, x);
             if (!sub.driven_nodes.empty())
+                // S_od = S_do^T: the rows at driven nodes of columns that are solved for anyway
                 sub.block.observed_driven.middleRows(first, count) =
                     reactions(region->stiffness(), sub.driven_nodes, x).transpose();
         }
@@ -230,6 +240,7 @@ private:
         Columns b = Columns::Zero(sub.model.num_dofs(), count);
         for (Index j = 0; j < count; ++j) {
             const Index dof = first + j;
+            // x_b = e_j, K_ii x_i = -K_ib e_j
             b(3 * sub.observed_nodes[dof / 3] + dof % 3, j) = 1;
         }
         Columns x;
@@ -252,6 +263,7 @@ private:
     static void symmetrise(Eigen::MatrixXd& matrix) {
         for (Eigen::Index j = 0; j < matrix.cols(); ++j)
             for (Eigen::Index i = 0; i < j; ++i)
+                // (S + S^T) / 2: what solves to a finite residual leave of asymmetry
                 matrix(i, j) = matrix(j, i) = 0.5 * (matrix(i, j) + matrix(j, i));
     }
 
@@ -262,7 +274,7 @@ private:
 };
 
 /// The regions that an observed node touches.
-std::vector<SubModel> observed_regions(const Model& model, const std::vector<Index>& observed,
+std::vector<SubModel> observed_regions(const SolidModel& model, const std::vector<Index>& observed,
                                        const std::vector<Index>& driven) {
     check_model(model);
     const NodeRoles roles = assign_roles(model, observed, driven);
@@ -276,7 +288,7 @@ std::vector<SubModel> observed_regions(const Model& model, const std::vector<Ind
 }
 
 std::vector<CondensedRegion> condense_regions(
-    const Model& model, const std::vector<Index>& observed, const std::vector<Index>& driven,
+    const SolidModel& model, const std::vector<Index>& observed, const std::vector<Index>& driven,
     const MakeMechanics& make_mechanics, const LinearSolverOptions& options,
     CondensationSummary* summary, const ProgressSink& progress) {
     const auto start = std::chrono::steady_clock::now();
@@ -298,48 +310,48 @@ std::vector<CondensedRegion> condense_regions(
     return result;
 }
 
-void check_state(const DeformedState& state, const Model& model) {
-    if (state.displacement.size() != model.num_dofs())
+void check_state(const Eigen::VectorXd& displacement, const SolidModel& model) {
+    if (displacement.size() != model.num_dofs())
         throw Error(ErrorCode::invalid_argument,
                     "Condensation: a state needs 3 displacements per node, " +
                         std::to_string(model.num_dofs()) + ", not " +
-                        std::to_string(state.displacement.size()) + ".");
+                        std::to_string(displacement.size()) + ".");
 }
 
 }  // namespace
 
-std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
+std::vector<CondensedRegion> condense(const SolidModel& model, const std::vector<Index>& observed,
                                       const std::vector<Index>& driven,
                                       const LinearSolverOptions& options,
                                       CondensationSummary* summary, const ProgressSink& progress) {
-    const auto linear = [](const SubModel& sub, const LinearSolverOptions& solver) {
-        return make_linear_region(sub.model, solver);
+    const auto at_rest = [](const SubModel& sub, const LinearSolverOptions& solver) {
+        return make_region_at_rest(sub.model, solver);
     };
-    return condense_regions(model, observed, driven, linear, options, summary, progress);
+    return condense_regions(model, observed, driven, at_rest, options, summary, progress);
 }
 
-std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model& model,
+std::vector<CondensedRegion> condense_at(const Eigen::VectorXd& displacement,
+                                         const SolidModel& model,
                                          const std::vector<Index>& observed,
                                          const std::vector<Index>& driven,
                                          const LinearSolverOptions& options,
                                          CondensationSummary* summary,
                                          const ProgressSink& progress) {
-    check_state(state, model);
+    check_state(displacement, model);
     const auto tangent = [&](const SubModel& sub, const LinearSolverOptions& solver) {
-        return make_tangent_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes),
-                                   solver);
+        return make_tangent_region(sub.model, at_nodes(displacement, sub.nodes), solver);
     };
     return condense_regions(model, observed, driven, tangent, options, summary, progress);
 }
 
-std::vector<CondensedRegion> region_forces(const DeformedState& state, const Model& model,
+std::vector<CondensedRegion> region_forces(const Eigen::VectorXd& displacement,
+                                           const SolidModel& model,
                                            const std::vector<Index>& observed,
                                            const std::vector<Index>& driven) {
-    check_state(state, model);
+    check_state(displacement, model);
     std::vector<CondensedRegion> result;
     for (SubModel& sub : observed_regions(model, observed, driven)) {
-        set_force(sub,
-                  force_of_region(sub.model, state.law, at_nodes(state.displacement, sub.nodes)));
+        set_force(sub, force_of_region(sub.model, at_nodes(displacement, sub.nodes)));
         result.push_back(std::move(sub.block));
     }
     return result;

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
 
 #include "solver/linear/linear_solver.hpp"
+#include "solver/model/solid_model.hpp"
 
 namespace palpate {
 
@@ -31,35 +31,30 @@ struct CondensationSummary {
     double seconds = 0;
 };
 
-/// The condensed stiffness of every region of a model that touches an observed node.
+/// The condensed stiffness of every region of a model that touches an observed node, for elements
+/// of any type and laws of the registry with the parameters `stiffness_kpa`, to which their energy
+/// is proportional, and `poisson_ratio`.
 ///   observed, driven   node numbers, disjoint. Nodes in neither list whose dofs are not prescribed
 ///   in `model` are interior. Prescribed dofs have zero displacement.
 /// Each region's interior problem K_ii x = -K_ib is solved on the region's own sub-mesh with the
 /// given linear solver, which is told their number, all columns in batches: the adjoint sensitivity
 /// columns of the inverse problem. Throws Error(solve_failed) if a column misses the tolerance.
-std::vector<CondensedRegion> condense(const Model& model, const std::vector<Index>& observed,
+std::vector<CondensedRegion> condense(const SolidModel& model, const std::vector<Index>& observed,
                                       const std::vector<Index>& driven,
                                       const LinearSolverOptions& options,
                                       CondensationSummary* summary = nullptr,
                                       const ProgressSink& progress = {});
 
-/// A body at large deformation.
-struct DeformedState {
-    /// Of the registry, with the parameters `stiffness_kpa`, to which its energy is proportional,
-    /// and `poisson_ratio`.
-    std::string law;
-    Eigen::VectorXd displacement;  ///< [3 num_nodes] mm
-};
-
-/// The same for a body linearised at an equilibrium u*, which it is for some moduli E*: forces and
-/// tangent are sums over the regions, f = sum_r E_r f_r and K = sum_r E_r K_r(u*), so for other
-/// moduli and wall motions, to first order,
+/// The same for a body linearised at an equilibrium u* of its laws, which it is for some moduli E*:
+/// forces and tangent are sums over the regions, f = sum_r E_r f_r and K = sum_r E_r K_r(u*), so
+/// for other moduli and wall motions, to first order,
 ///   sum_r E_r (g_r + S_r,oo (u_o - u_o*) + S_r,od (u_d - u_d*)) = 0
 /// with g_r the forces of region r at the observed nodes. At interior nodes each region alone is
-/// in equilibrium, whatever its modulus. Solved directly on the host. `model` says elements,
-/// prescribed dofs and Poisson's ratios. Throws Error(solve_failed) also where a region is not
-/// stable.
-std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model& model,
+/// in equilibrium, whatever its modulus. Solved directly on the host.
+///   displacement  u*, [3 num_nodes] mm
+/// Throws Error(solve_failed) also where a region is not stable.
+std::vector<CondensedRegion> condense_at(const Eigen::VectorXd& displacement,
+                                         const SolidModel& model,
                                          const std::vector<Index>& observed,
                                          const std::vector<Index>& driven,
                                          const LinearSolverOptions& options,
@@ -67,7 +62,8 @@ std::vector<CondensedRegion> condense_at(const DeformedState& state, const Model
                                          const ProgressSink& progress = {});
 
 /// The g_r of `condense_at` alone, with the regions and their observed nodes; no blocks.
-std::vector<CondensedRegion> region_forces(const DeformedState& state, const Model& model,
+std::vector<CondensedRegion> region_forces(const Eigen::VectorXd& displacement,
+                                           const SolidModel& model,
                                            const std::vector<Index>& observed,
                                            const std::vector<Index>& driven);
 

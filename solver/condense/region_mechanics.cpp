@@ -4,17 +4,17 @@
 
 #include <utility>
 
+#include "solver/equilibrium/rest_solver.hpp"
 #include "solver/equilibrium/solid_assembly.hpp"
 #include "solver/linear/direct_columns.hpp"
-#include "solver/linear/make_linear_solver.hpp"
 
 namespace palpate {
 namespace {
 
-class LinearRegion final : public RegionMechanics {
+class RegionAtRest final : public RegionMechanics {
 public:
-    LinearRegion(const Model& part, const LinearSolverOptions& options)
-        : stiffness_(assemble_stiffness(part)), solver_(make_linear_solver(part, options)) {}
+    RegionAtRest(const SolidModel& part, const LinearSolverOptions& options)
+        : stiffness_(stiffness_at_rest(part)), solver_(make_linear_solver(part, options)) {}
 
     const StiffnessMatrix& stiffness() const override { return stiffness_; }
     LinearSolverSummary solve(const Columns& b, Columns& x) override {
@@ -35,15 +35,9 @@ struct Tangent {
     Eigen::VectorXd force;
 };
 
-SolidModel solid_of(const Model& part, const std::string& law) {
-    const LinearElastic& material = part.materials.front();
-    return {solid_mesh_of(part.mesh),
-            {{law, {material.stiffness_kpa, material.poisson_ratio}}},
-            part.prescribed};
-}
-
-Tangent tangent_of(const Model& part, const std::string& law, const Eigen::VectorXd& u) {
-    const SolidAssembly solid(solid_of(part, law));
+Tangent tangent_of(const SolidModel& part, const Eigen::VectorXd& u,
+                   const ElementLoopOptions& loops) {
+    const SolidAssembly solid(part, loops);
     Tangent tangent;
     static_cast<BlockMatrix&>(tangent.stiffness) = solid.make_matrix();
     solid.tangent(u, tangent.stiffness);
@@ -53,7 +47,7 @@ Tangent tangent_of(const Model& part, const std::string& law, const Eigen::Vecto
 
 class TangentRegion final : public RegionMechanics {
 public:
-    TangentRegion(Tangent tangent, const Model& part, const LinearSolverOptions& options)
+    TangentRegion(Tangent tangent, const SolidModel& part, const LinearSolverOptions& options)
         : system_(std::move(tangent.stiffness), part.prescribed),
           columns_(system_, options),
           force_(std::move(tangent.force)) {}
@@ -75,20 +69,20 @@ private:
 
 }  // namespace
 
-std::unique_ptr<RegionMechanics> make_linear_region(const Model& part,
-                                                    const LinearSolverOptions& options) {
-    return std::make_unique<LinearRegion>(part, options);
+std::unique_ptr<RegionMechanics> make_region_at_rest(const SolidModel& part,
+                                                     const LinearSolverOptions& options) {
+    return std::make_unique<RegionAtRest>(part, options);
 }
 
-std::unique_ptr<RegionMechanics> make_tangent_region(const Model& part, const std::string& law,
+std::unique_ptr<RegionMechanics> make_tangent_region(const SolidModel& part,
                                                      const Eigen::VectorXd& u,
                                                      const LinearSolverOptions& options) {
-    return std::make_unique<TangentRegion>(tangent_of(part, law, u), part, options);
+    const ElementLoopOptions loops{options.backend, options.device};
+    return std::make_unique<TangentRegion>(tangent_of(part, u, loops), part, options);
 }
 
-Eigen::VectorXd force_of_region(const Model& part, const std::string& law,
-                                const Eigen::VectorXd& u) {
-    return SolidAssembly(solid_of(part, law)).internal_force(u).force;
+Eigen::VectorXd force_of_region(const SolidModel& part, const Eigen::VectorXd& u) {
+    return SolidAssembly(part).internal_force(u).force;
 }
 
 }  // namespace palpate

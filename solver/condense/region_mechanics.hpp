@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 #include <memory>
-#include <string>
 
 #include "solver/linear/linear_solver.hpp"
+#include "solver/model/solid_model.hpp"
 #include "solver/model/stiffness_matrix.hpp"
 
 namespace palpate {
@@ -25,19 +25,17 @@ public:
     virtual const Eigen::VectorXd& force() const = 0;
 };
 
-/// Linear elasticity. `part`: one material of modulus 1.
-std::unique_ptr<RegionMechanics> make_linear_region(const Model& part,
-                                                    const LinearSolverOptions& options);
+/// At rest. `part`: one material of modulus 1.
+std::unique_ptr<RegionMechanics> make_region_at_rest(const SolidModel& part,
+                                                     const LinearSolverOptions& options);
 
-/// The tangent of a law of the registry with the parameters `stiffness_kpa` and `poisson_ratio`, at
-/// the displacement u [3 num_nodes] mm. Throws Error(solve_failed) if the tangent is not positive
-/// definite on the free dofs: the state is not stable.
-std::unique_ptr<RegionMechanics> make_tangent_region(const Model& part, const std::string& law,
+/// The tangent at the displacement u [3 num_nodes] mm. Throws Error(solve_failed) if it is not
+/// positive definite on the free dofs: the state is not stable.
+std::unique_ptr<RegionMechanics> make_tangent_region(const SolidModel& part,
                                                      const Eigen::VectorXd& u,
                                                      const LinearSolverOptions& options);
 
 /// Its `force` alone.
-Eigen::VectorXd force_of_region(const Model& part, const std::string& law,
-                                const Eigen::VectorXd& u);
+Eigen::VectorXd force_of_region(const SolidModel& part, const Eigen::VectorXd& u);
 
 }  // namespace palpate

@@ -22,6 +22,7 @@ Triple<double> numbers(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
 Triple<Dual> variables(const Vec3& v, int first) {
     Triple<Dual> result;
+    // v_i with the derivative 1 by variable first + i of nine
     for (int i = 0; i < 3; ++i) result[i] = Dual(v[i], 9, first + i);
     return result;
 }
@@ -82,6 +83,7 @@ bool ContactAssembly::has_friction() const {
 Vec3 ContactAssembly::at_point(const Point& point, const Eigen::VectorXd& u) const {
     Vec3 sum = Vec3::Zero();
     for (std::size_t a = 0; a < point.face->size(); ++a)
+        // u(x) = sum N_a u_a
         sum += point.value[a] * u.segment<3>(3 * (*point.face)[a]);
     return sum;
 }
@@ -110,6 +112,7 @@ void ContactAssembly::begin(const ContactStart& start) {
                         std::to_string(points_.size()) + " contact points");
     for (std::size_t k = 0; k < points_.size(); ++k) {
         Point& point = points_[k];
+        // y = X + u - motion: seen from the obstacle, one that moves needs no formulas of its own.
         point.place_before = point.place - motion_before_[point.contact];
         if (start.displacement.size() > 0)
             point.place_before += at_point(point, start.displacement);
@@ -124,6 +127,7 @@ void ContactAssembly::renew_limits(const Eigen::VectorXd& u) {
         const Contact& contact = model_.contacts[point.contact];
         const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
         const double depth = depth_in(contact.obstacle, numbers(y)).depth;
+        // limit = mu p,  p = k <depth> (method.md, 9.8)
         point.limit = contact.friction * contact.stiffness_kpa_per_mm * std::max(0.0, depth);
     }
 }
@@ -137,9 +141,11 @@ void ContactAssembly::add_force(const Eigen::VectorXd& u, InternalForce& sum) co
         const Triple<double> before = numbers(point.place_before);
         const Triple<double> friction = numbers(point.friction_before);
         const auto traction = contact_traction(contact, y, before, friction, point.limit);
+        // A (k <depth>^2 / 2 + what the elastic slip stores), with the limit held
         sum.energy += point.area * contact_energy(contact, y, before, friction, point.limit);
         const Vec3 on_body = values(traction.pressure) + values(traction.friction);
         for (std::size_t a = 0; a < point.face->size(); ++a)
+            // f_a -= A N_a (p n + t) (method.md, 9.9)
             force.segment<3>(3 * (*point.face)[a]) -= point.area * point.value[a] * on_body;
     }
     sum.contact_force = force.norm();
@@ -155,6 +161,7 @@ ContactAssembly::Slopes ContactAssembly::slopes_at(const Point& point,
                                            variables(point.place_before, 3),
                                            variables(point.friction_before, 6), std::nullopt);
     Slopes slopes;
+    // d(traction)/d(y, y_before, t0), limit = mu p(y) with its derivative
     slopes.friction = rates(traction.friction);
     slopes.traction = slopes.friction + rates(traction.pressure);
     return slopes;
@@ -169,6 +176,7 @@ void ContactAssembly::add_stiffness(const Point& point, const Mat3& stiffness,
         for (std::size_t b = 0; b < face.size(); ++b) {
             const auto at = std::lower_bound(row, end, face[b]);
             double* block = matrix.block(static_cast<Index>(at - matrix.graph.items.begin()));
+            // K_ab += A N_a N_b (-d traction / dy)
             const double weight = point.area * point.value[a] * point.value[b];
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) block[3 * i + j] += weight * stiffness(i, j);
@@ -182,6 +190,7 @@ void ContactAssembly::add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix)
         const auto traction = contact_traction(model_.contacts[point.contact], variables(y, 0),
                                                variables(point.place_before, 3),
                                                variables(point.friction_before, 6), point.limit);
+        // With the limit held p n + t is the gradient of an energy, so that this is symmetric.
         const Rates all = rates(traction.pressure) + rates(traction.friction);
         if (!all.isZero(0)) add_stiffness(point, -all.leftCols<3>(), matrix);
     }
@@ -195,6 +204,7 @@ void ContactAssembly::add_limit_rates(const Eigen::VectorXd& u, bool is_transpos
         const auto held = contact_traction(model_.contacts[point.contact], variables(y, 0),
                                            variables(point.place_before, 3),
                                            variables(point.friction_before, 6), point.limit);
+        // dt/dlimit dlimit/dy, what the tangent with held limits lacks; only this is not symmetric.
         const Mat3 missing =
             slopes_at(point, u).friction.leftCols<3>() - rates(held.friction).leftCols<3>();
         const Mat3 turned = is_transposed ? Mat3(missing.transpose()) : missing;
@@ -206,6 +216,7 @@ Eigen::VectorXd ContactAssembly::largest_stiffness() const {
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(model_.mesh.num_nodes());
     for (const Point& point : points_) {
         const Contact& contact = model_.contacts[point.contact];
+        // Gershgorin: sum_b A N_a N_b max(k, k_t) bounds the contact's part of row a.
         double most = contact.stiffness_kpa_per_mm;
         if (contact.friction > 0) most = std::max(most, contact.slip_stiffness_kpa_per_mm);
         double sum = 0;
@@ -225,6 +236,7 @@ ContactState ContactAssembly::state(const Eigen::VectorXd& u) const {
         const Triple<double> y = numbers(point.place + at_point(point, u) - motion_[point.contact]);
         const auto traction = contact_traction(contact, y, numbers(point.place_before),
                                                numbers(point.friction_before), std::nullopt);
+        // F = sum A (p n + t), of each obstacle on the body
         state.friction.push_back(values(traction.friction));
         state.force[point.contact] +=
             point.area * (values(traction.pressure) + values(traction.friction));
@@ -240,6 +252,7 @@ Eigen::VectorXd ContactAssembly::friction_gradient(const Eigen::VectorXd& u,
     for (std::size_t k = 0; k < points_.size(); ++k) {
         const Point& point = points_[k];
         if (slope[k].isZero(0)) continue;
+        // (dt/dy)^T dJ/dt, then u_a gets N_a of it
         const Vec3 by_place = slopes_at(point, u).friction.leftCols<3>().transpose() * slope[k];
         for (std::size_t a = 0; a < point.face->size(); ++a)
             gradient.segment<3>(3 * (*point.face)[a]) += point.value[a] * by_place;
@@ -258,8 +271,12 @@ ContactGradient ContactAssembly::start_gradient(const Eigen::VectorXd& u,
         const Point& point = points_[k];
         const Slopes slopes = slopes_at(point, u);
         const Eigen::Matrix<double, 9, 1> total =
+            // f_a has -A N_a (p n + t), so that -lambda . df = A lambda(x) . d(p n + t) (method.md,
+            // 9.14);
+            // friction is handed on to the next step besides.
             slopes.traction.transpose() * (point.area * at_point(point, lambda)) +
             slopes.friction.transpose() * slope[k];
+        // y = X + u - motion and y_before alike: the motion's slopes have the other sign.
         sum.motion[point.contact] -= total.head<3>();
         sum.motion_before[point.contact] -= total.segment<3>(3);
         sum.friction_before.push_back(total.tail<3>());

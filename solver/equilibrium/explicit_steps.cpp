@@ -80,6 +80,7 @@ SolidLoads ExplicitSolve::loads_at(std::size_t i, double part) const {
         return loads;
     }
     const SolidLoads& before = times_[i - 1].loads;
+    // l(part) = l_i + (1 - part) (l_(i-1) - l_i)
     loads.displacement += (1 - part) * (before.displacement - loads.displacement);
     loads.force += (1 - part) * (before.force - loads.force);
     for (std::size_t c = 0; c < loads.obstacle_motion.size(); ++c) {
@@ -94,6 +95,7 @@ double ExplicitSolve::contact_stiffness_per_mass() const {
     const Eigen::VectorXd stiffness = contact_.largest_stiffness();
     double most = 0;
     for (Index n = 0; n < stiffness.size(); ++n)
+        // max k_n / m_n bounds the largest eigenvalue of the contacts' part of m^-1 K.
         if (stiffness[n] > 0) most = std::max(most, stiffness[n] / mass_[n]);
     return most;
 }
@@ -101,6 +103,7 @@ double ExplicitSolve::contact_stiffness_per_mass() const {
 double ExplicitSolve::stable_step() {
     constexpr int iterations = 60;
     constexpr double margin = 1.05;  // power iteration ends below the eigenvalue
+    // Power iteration with m^-1 K: omega^2 = |m^-1 K x| of the limit, |x| = 1.
     solid_.tangent(u_, matrix_);
     Eigen::VectorXd x(u_.size());
     for (Eigen::Index d = 0; d < x.size(); ++d)
@@ -115,6 +118,7 @@ double ExplicitSolve::stable_step() {
         x = y;
     }
     const double square = margin * largest + contact_stiffness_per_mass();
+    // dt = safety 2 / omega (method.md, 9.11)
     return square > 0 ? options_.safety * 2 / std::sqrt(square) : times_.back().time_s;
 }
 
@@ -126,6 +130,7 @@ bool ExplicitSolve::advance(double dt_s, const SolidLoads& loads) {
         if (solid_.model().prescribed[d]) {
             v_[d] = (loads.displacement[d] - u_[d]) / dt_s;
         } else if (mass_[d / 3] > 0) {
+            // v' = ((1 - d) v + dt (force - f) / m) / (1 + d),  u' = u + dt v' (method.md, 9.10)
             const double push = (loads.force[d] - inner_.force[d]) / mass_[d / 3];
             v_[d] = ((1 - drag) * v_[d] + dt_s * push) / (1 + drag);
         }
@@ -136,6 +141,7 @@ bool ExplicitSolve::advance(double dt_s, const SolidLoads& loads) {
     if (!inner_.is_valid) return false;
     if (has_relaxation(solid_.model())) history_.end_step(dt_s, solid_, u_);
     if (contact_.is_empty()) return true;
+    // Slip counts from where this step began, with the friction then (method.md, 9.8).
     contact_.begin({before, motion_, friction_});
     contact_.place(loads.obstacle_motion);
     contact_.renew_limits(u_);
@@ -151,6 +157,7 @@ DynamicState ExplicitSolve::state_at(const LoadTime& at) const {
     for (Eigen::Index d = 0; d < v_.size(); ++d)
         if (solid_.model().prescribed[d]) state.reaction[d] = inner_.force[d] - at.loads.force[d];
     for (Eigen::Index d = 0; d < v_.size(); ++d)
+        // m v^2 / 2, by component
         state.kinetic_energy += 0.5 * mass_[d / 3] * v_[d] * v_[d];
     return state;
 }
@@ -169,6 +176,7 @@ ExplicitHistory ExplicitSolve::run() {
                                     "more than {:.2g}; take solve_history, a coarser mesh or a "
                                     "higher density",
                                     times_[i].time_s, steps, span_s / steps, options_.most_steps));
+        // Whole steps to each time that is asked for, none longer than the stable one.
         const double dt_s = span_s / steps;
         result.longest_step_s = std::max(result.longest_step_s, dt_s);
         for (double k = 1; k <= steps; ++k) {

@@ -86,6 +86,7 @@ private:
 void EquilibriumSolve::place_obstacles(double load) const {
     std::vector<Vec3> motion = start_.obstacle_motion;
     for (std::size_t c = 0; c < motion.size(); ++c)
+        // a + load (b - a): linear from the start of the path to its end
         motion[c] += load * (loads_.obstacle_motion[c] - motion[c]);
     contact().place(motion);
 }
@@ -93,6 +94,7 @@ void EquilibriumSolve::place_obstacles(double load) const {
 EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, double load) const {
     State state{u, solid_.internal_force(u), 0, Eigen::VectorXd::Zero(u.size())};
     contact().add_force(u, state.inner);
+    // Pi = W + contact energy - force . u,  residual = -dPi/du = force - f(u) (method.md, 9.5)
     state.total_energy = state.inner.energy;
     if (!state.inner.is_valid) return state;
     for (Eigen::Index d = 0; d < u.size(); ++d) {
@@ -107,6 +109,8 @@ EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, dou
 }
 
 double EquilibriumSolve::relative_residual(const State& state, double load) const {
+    // |force - f| over the largest of |f|, |contact forces| and |force|; zero where it is no more
+    // than what rounding of u makes of forces.
     if (state.residual.norm() <= tangent_->force_of_rounding(state.u)) return 0;
     double applied = 0;
     for (Eigen::Index d = 0; d < state.u.size(); ++d)
@@ -120,6 +124,8 @@ double EquilibriumSolve::relative_residual(const State& state, double load) cons
 bool EquilibriumSolve::find_change(const State& state, const Eigen::VectorXd& r,
                                    Eigen::VectorXd& change) {
     is_shifted_ = false;
+    // K + shift mean(diag K): 0, 1e-3, 4e-3, .. until it is positive definite; then K^-1 r is a
+    // direction in which Pi goes down.
     for (double shift = 0; shift < largest_shift; shift = is_shifted_ ? 4 * shift : 1e-3) {
         is_shifted_ = shift > 0;
         if (tangent_->factorise(state.u, shift) && tangent_->solve(r, change)) return true;
@@ -134,6 +140,7 @@ bool EquilibriumSolve::find_change(const State& state, const Eigen::VectorXd& r,
 bool EquilibriumSolve::advance_walls(double load, State& state) {
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
     for (Eigen::Index d = 0; d < change.size(); ++d)
+        // K_ff du_f = -K_fp du_p: the rest follows the prescribed as the tangent says.
         if (solid_.model().prescribed[d]) change[d] = displacement_at(d, load) - state.u[d];
     if (!find_change(state, Eigen::VectorXd::Zero(change.size()), change)) return false;
     State next = state_at(state.u + change, load);
@@ -149,10 +156,13 @@ bool EquilibriumSolve::advance_walls(double load, State& state) {
 /// there is none.
 double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
                                      State& state) const {
+    // dPi/du . du
     const double slope = -state.residual.dot(change);
     for (double length = 1; length >= shortest_length; length *= 0.5) {
         State next = state_at(state.u + length * change, load);
         if (!next.inner.is_valid) continue;
+        // Pi(u + a du) <= Pi(u) + 1e-4 a dPi/du . du + rounding (Armijo; method.md, 9.5), or a
+        // residual of half the size: near an equilibrium differences of Pi are rounding.
         const double allowed = rounding * (std::abs(slope) + std::abs(state.total_energy));
         const bool has_small_residual = next.residual.norm() <= 0.5 * state.residual.norm();
         if (next.total_energy > state.total_energy + 1e-4 * length * slope + allowed &&
@@ -169,6 +179,7 @@ double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
 bool EquilibriumSolve::take_chord_step(double load, State& state) {
     if (is_shifted_) return false;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
+    // K_old du = residual, with the factor that is there: |residual'| <= |residual| / 10, or none
     if (!tangent_->solve(state.residual, change)) return false;
     State next = state_at(state.u + change, load);
     if (!next.inner.is_valid || next.residual.norm() > 0.1 * state.residual.norm()) return false;
@@ -188,6 +199,7 @@ bool EquilibriumSolve::reach(double load, State& state) {
 bool EquilibriumSolve::take_friction_step(double load, State& state) {
     constexpr double tolerance = 1e-3;  // the next step sees to the rest
     Eigen::MatrixXd change;
+    // (K + dt/dlimit dlimit/du) du = residual, not symmetric where friction slips
     if (!tangent_->solve_columns_at(state.u, state.residual, change, false, tolerance))
         return false;
     is_shifted_ = false;
@@ -209,6 +221,7 @@ bool EquilibriumSolve::settle_friction(double load, State& state) {
         contact().renew_limits(state.u);
         state = state_at(state.u, load);
         if (relative_residual(state, load) <= options_.relative_tolerance) return true;
+        // limit = mu p(u) (method.md, 9.8) with this u, until f with the new limits still balances.
         if (take_friction_step(load, state)) continue;
         if (!settle(load, state)) return false;
     }
@@ -222,6 +235,8 @@ bool EquilibriumSolve::settle(double load, State& state) {
         records_.push_back({load, residual, 0});
         report_progress(progress_, "equilibrium", load,
                         fmt::format("step {}, residual {:.1e}", records_.size(), residual));
+        // Done. But a shifted K has hidden negative curvature: an equilibrium is stable only if K
+        // itself is positive definite there.
         if (residual <= options_.relative_tolerance) {
             failure_ = "the equilibrium is not stable";
             return !is_shifted_ || tangent_->factorise(state.u);
@@ -231,6 +246,7 @@ bool EquilibriumSolve::settle(double load, State& state) {
         if (step == options_.max_newton_steps) return false;
         Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
         if (!find_change(state, state.residual, change)) return false;
+        // K du = residual (method.md, 9.4), then u + a du
         records_.back().step_length = search_line(load, change, state);
         failure_ = "no step lowers the energy without inverting matter";
         if (records_.back().step_length == 0) return false;
@@ -245,6 +261,7 @@ Equilibrium EquilibriumSolve::run() {
     while (result.load < 1 && step >= options_.smallest_step) {
         const double load = std::min(1.0, result.load + step);
         State next = reached;
+        // A step that arrives is followed by one 1.5 times as long, one that does not is halved.
         if (reach(load, next)) {
             reached = std::move(next);
             step = 1.5 * (load - result.load);
@@ -266,6 +283,7 @@ Equilibrium EquilibriumSolve::run() {
     result.reaction = Eigen::VectorXd::Zero(reached.u.size());
     for (Eigen::Index d = 0; d < reached.u.size(); ++d)
         if (solid_.model().prescribed[d])
+            // reaction = f(u) - force: what holds a prescribed dof
             result.reaction[d] = reached.inner.force[d] - force_at(d, result.load);
     result.records = std::move(records_);
     result.tangent = std::move(tangent_);

@@ -128,6 +128,7 @@ void SolidAssembly::Tables::find_blocks() {
             for (const Index b : model.mesh.nodes_of(e)) {
                 const auto row = graph.items.begin() + graph.offsets[a];
                 const auto end = graph.items.begin() + graph.offsets[a + 1];
+                // Block (a, b) of the matrix stands in row a, sorted by b.
                 blocks.push_back(
                     static_cast<Index>(std::lower_bound(row, end, b) - graph.items.begin()));
             }
@@ -143,6 +144,7 @@ ElementPoints SolidAssembly::Tables::points_of(Index element) const {
 template <class Work>
 void SolidAssembly::Tables::for_each_element(Work&& work) const {
     const std::vector<Index>& starts = parts.elements.offsets;
+    // Colours one after the other; the parts of a colour share no node and go side by side.
     for (Index c = 0; c < parts.parts.num_lists(); ++c) {
         const Index first = parts.parts.offsets[c], count = parts.parts.offsets[c + 1] - first;
         parallel_ranges(count, parts_per_thread, [&](Index begin, Index end) {
@@ -165,6 +167,7 @@ void SolidAssembly::Tables::with_laws(Index element, Work&& work) const {
             using Law = std::decay_t<decltype(law)>;
             if (is_viscous) {
                 work([&](std::size_t q) {
+                    // A step with relaxation is elastic: (1 + sum c_k) W + Q : E (method.md, 9.7).
                     return ViscousStep<Law>{law, factor[region], prestress[element * points + q]};
                 });
             } else {
@@ -201,9 +204,11 @@ InternalForce SolidAssembly::internal_force(const Eigen::VectorXd& u) const {
             const ElementForce found = element_force(tables.model, law_at, points, u);
             energy[e] = found.energy;
             for (std::size_t a = 0; a < points.nodes.size(); ++a)
+                // f_a += sum over points V P g_a (method.md, 9.2)
                 result.force.segment<3>(3 * points.nodes[a]) += found.force[a];
         });
     });
+    // W = sum of the elements' in their order: the same bits with any number of threads
     for (const double part : energy) result.energy += part;
     result.is_valid = std::isfinite(result.energy) && result.force.allFinite();
     if (!result.is_valid) result.energy = std::numeric_limits<double>::infinity();
@@ -232,6 +237,7 @@ void SolidAssembly::tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const
         for (std::size_t a = 0; a < n; ++a)
             for (std::size_t b = 0; b < n; ++b) {
                 double* block = matrix.block(tables.blocks[(e * n + a) * n + b]);
+                // (K_ab)_ij += sum V g_a,k dP_ik/dH_jl g_b,l (method.md, 9.2)
                 for (int k = 0; k < 9; ++k) block[k] += stiffness[9 * (a * n + b) + k];
             }
     });
@@ -244,6 +250,7 @@ std::vector<std::vector<double>> SolidAssembly::parameter_products(
     ElementSlopes slopes(tables.model);
     tables.for_each_element([&](Index e) {
         tables.with_laws(e, [&](const auto& law_at) {
+            // lambda . df/dp = sum V dP/dp : (sum_a lambda_a g_a^T), with (method.md, 9.12)
             add_parameter_products(tables.model, law_at, tables.points_of(e), u, lambda,
                                    slopes.parameters_of(e));
         });
@@ -264,6 +271,7 @@ std::vector<Eigen::MatrixXd> SolidAssembly::parameter_forces(const Eigen::Vector
             for (Eigen::Index k = 0; k < sum.cols(); ++k) {
                 std::array<Vec3, most_element_nodes> force;
                 force.fill(Vec3::Zero());
+                // df_a/dp_k = sum V dP/dp_k g_a
                 parameter_force(tables.model, law_at, points, u, static_cast<int>(k), force);
                 for (std::size_t a = 0; a < points.nodes.size(); ++a)
                     sum.col(k).segment<3>(3 * points.nodes[a]) += force[a];
@@ -297,6 +305,7 @@ std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd
         std::visit(
             [&](const auto& law) {
                 for (std::size_t q = 0; q < points; ++q)
+                    // S = F^-1 P of the law alone, without its history
                     stress[e * points + q] = second_piola(law, h[q]);
             },
             tables.laws[region]);
@@ -313,6 +322,7 @@ std::vector<PointState> SolidAssembly::point_states(const Eigen::VectorXd& u) co
         tables.with_laws(e, [&](const auto& law_at) {
             with_response(tables.model, law_at, element, u, [&](const auto& response) {
                 PointTensors stress{};
+                // H, P and V at each point; P = 0 where matter is inverted
                 if (response.is_valid()) response.stress(stress);
                 for (std::size_t q = 0; q < points; ++q)
                     states[e * points + q] = {response.gradient(q), stress[q],
@@ -331,6 +341,7 @@ Eigen::VectorXd SolidAssembly::elastic_stress_gradient(
         const ElementPoints points = tables.points_of(e);
         tables.with_laws(e, [&](const auto& law_at) {
             if constexpr (gives_viscous_step<decltype(law_at)>) {
+                // dJ/du_a += sum (dJ/dS : dS/dH) g_a
                 const auto found = element_stress_gradient(tables.model, law_at, points, u,
                                                            tables.of_element(slope, e));
                 for (std::size_t a = 0; a < points.nodes.size(); ++a)
@@ -344,6 +355,7 @@ Eigen::VectorXd SolidAssembly::elastic_stress_gradient(
 ViscousSlopes SolidAssembly::viscous_slopes(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
                                             const std::vector<Tensor3<double>>& slope) const {
     const Tables& tables = *tables_;
+    // dJ = -lambda . df (method.md, 9.14), df by Q, by 1 + sum c_k and by the law's parameters
     const Eigen::VectorXd direction = -lambda;
     ElementSlopes slopes(tables.model);
     ViscousSlopes result;

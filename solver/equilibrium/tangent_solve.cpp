@@ -34,6 +34,7 @@ bool TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
     for (Eigen::Index d = 0; d < x.size(); ++d)
         if (free_.number[d] >= 0) x[d] = 0;
     Eigen::VectorXd right = r;
+    // K_ff x_f = r_f - K_fp x_p
     if (!x.isZero(0)) right -= times(x);
     return solver_->solve(right, x);
 }
@@ -69,6 +70,7 @@ bool TangentSolve::refine(const Eigen::MatrixXd& r, double tolerance,
         Eigen::MatrixXd change = Eigen::MatrixXd::Zero(r.rows(), r.cols());
         if (!solver_->solve(left, change)) return false;
         x += change;
+        // x += K_old^-1 (r - K x): converges as |1 - K_old^-1 K|^n
         left = r - times(x);
         keep_free(left);
         const double now = worst();
@@ -100,11 +102,13 @@ bool TangentSolve::solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r,
 
 bool TangentSolve::solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r,
                                     Eigen::MatrixXd& x, bool is_transposed, double tolerance) {
+    // The last factor of the search is nearly this tangent's: refining is cheaper than a new one.
     if (is_factorised_ && !contact_.has_friction()) {
         fill_matrix(u);
         if (refine_columns(r, tolerance, x)) return true;
     }
     if (!factorise(u)) return false;
+    // The factor has limits held (symmetric), the product not: refinement finds the difference.
     contact_.add_limit_rates(u, is_transposed, matrix_);
     return refine_columns(r, tolerance, x);
 }
@@ -115,6 +119,7 @@ double TangentSolve::force_of_rounding(const Eigen::VectorXd& u) const {
     for (Index n = 0; n < matrix_.num_rows(); ++n)
         for (Index k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k) {
             if (graph.items[k] != n) continue;
+            // K_ii u_i eps: what a last bit of u makes of the force at i
             for (int i = 0; i < 3; ++i) sum += std::pow(matrix_.block(k)[4 * i] * u[3 * n + i], 2);
         }
     return 1e-14 * std::sqrt(sum);

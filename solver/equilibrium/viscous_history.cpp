@@ -15,10 +15,13 @@ struct TermStep {
     double part_by_amplitude, kept_by_time, part_by_time;
 
     TermStep(const RelaxationTerm& term, double dt_s) {
+        // x = dt / tau, kept = exp(-x), part = C (1 - exp(-x)) / x (method.md, 9.6)
         const double x = dt_s / term.time_s;
         kept = std::exp(-x);
         part_by_amplitude = -std::expm1(-x) / x;
         part = term.amplitude * part_by_amplitude;
+        // dx/dtau = -x / tau,  d kept/dx = -kept,  d((1 - e^-x) / x)/dx = (e^-x - (1 - e^-x) / x) /
+        // x
         const double x_by_time = -x / term.time_s;
         kept_by_time = -kept * x_by_time;
         part_by_time = term.amplitude * (kept - part_by_amplitude) / x * x_by_time;
@@ -63,12 +66,14 @@ void ViscousHistory::begin_step(double dt_s, SolidAssembly& solid) const {
     for (const SolidMaterial& material : model_->materials) {
         factor.push_back(1);
         for (const RelaxationTerm& term : material.relaxation)
+            // 1 + sum c_k (method.md, 9.7)
             factor.back() += TermStep(term, dt_s).part;
     }
     std::vector<Tensor3<double>> prestress(stress_.size(), Tensor3<double>{});
     for (std::size_t p = 0; p < terms_.size(); ++p)
         for (std::size_t k = 0; k < terms_[p].size(); ++k) {
             const TermStep step(relaxation_of(p)[k], dt_s);
+            // Q = sum_k (exp(-x) h_k - c_k S_n): what of sum h_k' is known before the step
             add(prestress[p], step.kept, terms_[p][k]);
             add(prestress[p], -step.part, stress_[p]);
         }
@@ -80,6 +85,7 @@ void ViscousHistory::end_step(double dt_s, const SolidAssembly& solid, const Eig
     for (std::size_t p = 0; p < terms_.size(); ++p)
         for (std::size_t k = 0; k < terms_[p].size(); ++k) {
             const TermStep step(relaxation_of(p)[k], dt_s);
+            // h_k' = exp(-x) h_k + c_k (S' - S_n) (method.md, 9.6)
             const auto change = sum_of(1.0, next[p], -1.0, stress_[p]);
             terms_[p][k] = sum_of(step.kept, terms_[p][k], step.part, change);
         }
@@ -91,6 +97,7 @@ std::vector<Tensor3<double>> ViscousHistory::stress_slope(double dt_s,
     std::vector<Tensor3<double>> slope = after.stress;
     for (std::size_t p = 0; p < terms_.size(); ++p)
         for (std::size_t k = 0; k < terms_[p].size(); ++k)
+            // dJ/dS' = what the next step says of S' + sum_k c_k dJ/dh_k'
             add(slope[p], TermStep(relaxation_of(p)[k], dt_s).part, after.terms[p][k]);
     return slope;
 }
@@ -103,9 +110,12 @@ HistorySlopes ViscousHistory::slopes_before(
     for (std::size_t p = 0; p < terms_.size(); ++p)
         for (std::size_t k = 0; k < terms_[p].size(); ++k) {
             const TermStep term(relaxation_of(p)[k], dt_s);
+            // h_k and S_n enter twice, in h_k' and in Q, as exp(-x) h_k - c_k S_n:
+            //   dJ/dh_k = exp(-x) (dJ/dh_k' + dJ/dQ),   dJ/dS_n = -c_k (dJ/dh_k' + dJ/dQ).
             const auto on_both = sum_of(1.0, after.terms[p][k], 1.0, step.prestress[p]);
             add(before.terms[p][k], term.kept, on_both);
             add(before.stress[p], -term.part, on_both);
+            // dJ/d exp(-x) and dJ/dc_k, then both by C_k and tau_k
             const double by_kept = double_dot(on_both, terms_[p][k]);
             const double by_part =
                 double_dot(after.terms[p][k], stress[p]) - double_dot(on_both, stress_[p]);
@@ -116,6 +126,7 @@ HistorySlopes ViscousHistory::slopes_before(
     for (std::size_t m = 0; m < model_->materials.size(); ++m)
         for (std::size_t k = 0; k < model_->materials[m].relaxation.size(); ++k) {
             const TermStep term(model_->materials[m].relaxation[k], dt_s);
+            // c_k is in the factor 1 + sum c_k of the step as well.
             relaxation[m][k].amplitude += step.factor[m] * term.part_by_amplitude;
             relaxation[m][k].time_s += step.factor[m] * term.part_by_time;
         }

@@ -69,24 +69,30 @@ public:
           full_(cg.full_workspace(padded_columns(columns_))),
           w_(&full_),
           column_of_(first_columns(columns_)) {
+        // A column is done at r.r <= target^2: no roots on the device.
         for (double t : target) limit_.push_back(t * t);
         const Index width = full_.x->columns();
+        // Padding has r.r = 0, which does not exceed its limit of 0: it stays as it is.
         Columns padded = Columns::Zero(r.rows(), width);
         padded.leftCols(columns_) = r;
         backend_.copy_in(as_span(width == columns_ ? r : padded), *full_.r);
         backend_.fill(*full_.x, 0);
         write_limits();
+        // x = 0, r = b, r.r
         backend_.dot(*full_.r, *full_.r, *full_.rr[0]);
     }
 
     int iterate(int max_iterations) {
         if (!look(0) || max_iterations <= 0) return 0;
+        // beta = r.z / 0 counts as 0 on the device, so that the first direction is p = z.
         backend_.set(*w_->rz[now_], std::vector<double>(w_->x->columns(), 0.0));
         precondition_and_turn();  // from no direction: p = z
         int next_look = std::min(first_look, max_iterations);
         for (int iteration = 1;; ++iteration) {
+            // q = K p, p.q (method.md, 11.2)
             backend_.apply(cg_.matrix_, *w_->p, *w_->q, w_->pq.get());
             if (cg_.curvature_ == Curvature::watched && is_not_positive()) return iteration;
+            // alpha = r.z / p.q, x += alpha p, r -= alpha q, r.r (method.md, 11.2)
             backend_.advance(*w_->rz[now_], *w_->pq, *w_->rr[rr_now_], *w_->limit, *w_->p, *w_->q,
                              *w_->x, *w_->r, *w_->rr[1 - rr_now_]);
             rr_now_ = 1 - rr_now_;
@@ -114,6 +120,7 @@ private:
     Index num_slots() const { return static_cast<Index>(column_of_.size()); }
 
     void precondition_and_turn() {
+        // z = M^-1 r, beta = r.z / (r.z before), p = z + beta p (method.md, 11.2)
         cg_.preconditioner_.apply(*w_->r, *w_->z, *w_->rz[1 - now_]);
         backend_.turn(*w_->rz[1 - now_], *w_->rz[now_], *w_->z, *w_->p);
         now_ = 1 - now_;
@@ -121,6 +128,8 @@ private:
 
     /// Whether the present directions show that K or its preconditioner is not positive definite.
     bool is_not_positive() {
+        // p.K p <= 0 or r.M^-1 r <= 0 in a column that is not done: K or M is not positive
+        // definite.
         std::vector<double> pq(w_->x->columns()), rz = pq, rr = pq;
         backend_.read(*w_->pq, pq);
         backend_.read(*w_->rz[now_], rz);
@@ -150,9 +159,11 @@ private:
                             "Conjugate gradients met a value that is not a finite number; try "
                             "double precision, or check the mesh for flat elements.");
             const double limit = limit_[column_of_[s]];
+            // The same r.r to the last bit twice: nothing more is to be had in this precision.
             const bool stands_still = iteration > 0 && !seen_.empty() && rr[s] == seen_[s];
             if (rr[s] <= limit || stands_still) continue;
             open_.push_back(s);
+            // |r| falls by a rate per iteration: left = iteration ln(rr / limit) / ln(rr_0 / rr).
             const double gained = std::log(start_[column_of_[s]] / rr[s]);
             const double missing = std::log(rr[s] / std::max(limit, 1e-300));
             const double left = gained > 0 ? missing * iteration / gained : longest_wait;
@@ -177,6 +188,8 @@ private:
         backend_.read(*w_->rz[now_], rz);
         auto narrow = cg_.make_workspace(width);
         const std::vector<Index> slots = first_columns(static_cast<Index>(open_.size()));
+        // x, r and p with r.z and r.r are all that the recurrence (method.md, 11.2) carries on;
+        // z and q are made anew in each iteration.
         for (auto vector : {&Workspace::x, &Workspace::r, &Workspace::p}) {
             backend_.fill(*((*narrow).*vector), 0);
             backend_.copy_columns(*(w_->*vector), open_, *((*narrow).*vector), slots);

@@ -52,6 +52,7 @@ struct FiniteStrainLaw {
         s.is_valid = s.strain.is_valid;
         const Tensor3<Real> p = stress(s);
         Real size = 0;
+        // sum |P_ij| within limits; not so for NaN, whose comparisons are false
         for (int i = 0; i < 9; ++i) size += fabs(p.m[i]);
         s.is_valid = s.is_valid && size < Real(largest_stress_kpa);  // false for NaN
         if (!s.is_valid) s.response = {Real(HUGE_VAL), 0, 0, 0, 0, 0, 0};
@@ -68,13 +69,17 @@ struct FiniteStrainLaw {
     PALPATE_DEVICE Tensor3<Real> tangent_apply(const State& s, const Tensor3<Real>& df) const {
         const Tensor3<Real>& twice_e = s.strain.twice_deviator;
         const Response<Real>& r = s.response;
+        // M = F^-1 dF, 2 dE = F^T dF + dF^T F, g = tr M = d ln J, dt = tr dE / 3
         const Tensor3<Real> m = transposed_times(s.strain.inverse_transposed, df);
         const Tensor3<Real> twice_de = twice_symmetric_part(transposed_times(s.strain.f, df));
         const Real g = trace(m);
         const Real dt = trace(twice_de) / 6;
+        // d shear and d pressure as in `Response`
         const Real d_shear = r.shear_by_distortion * double_dot(twice_e, m) + r.shear_by_volume * g;
         const Real d_pressure = r.pressure_by_volume * g + r.pressure_by_strain * dt;
 
+        // d(F^T P) - M^T F^T P with F^T P = shear 2 e + pressure I and d(2 e) = 2 dE - 2 dt I:
+        //   d shear 2 e + shear (2 dE - M^T 2 e) - pressure M^T + (d pressure - 2 dt shear) I
         Tensor3<Real> d = transposed_times(m, twice_e);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {

@@ -63,10 +63,12 @@ struct LinearLaw {
 
 private:
     PALPATE_DEVICE static Real energy_of(const State& s, Real mu, Real lambda) {
+        // W = stress : e / 2; `stress_of` gives the stress of e for 2 e, hence 4
         return double_dot(stress_of(s.twice_strain, mu, lambda), s.twice_strain) / 4;
     }
     PALPATE_DEVICE static Tensor3<Real> stress_of(const Tensor3<Real>& twice_strain, Real mu,
                                                   Real lambda) {
+        // 2 mu e + lambda tr(e) I
         Tensor3<Real> stress = scaled(twice_strain, mu);
         add_diagonal(stress, lambda / 2 * trace(twice_strain));
         return stress;

@@ -39,6 +39,7 @@ struct NeoHookeanLaw : FiniteStrainLaw<NeoHookeanLaw<Real>, Real> {
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const ParameterResponse<Real> r = of_moduli(strain, lame.mu, lame.lambda);
+        // a = mu is constant; db = lambda d ln J + 2 mu dt (method.md, 8.1)
         return {r.energy, r.shear, 0, 0, r.pressure, lame.lambda, 2 * lame.mu};
     }
 
@@ -51,6 +52,9 @@ private:
     PALPATE_DEVICE static ParameterResponse<Real> of_moduli(const FiniteStrain<Real>& strain,
                                                             Real mu, Real lambda) {
         const Real log_volume = strain.log_volume;
+        // W = mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2, a = mu, b = 2 mu t + lambda ln J
+        // (method.md,
+        // 8.1); linear in mu and lambda, so that the slopes are these of dmu/dp, dlambda/dp.
         return {mu / 2 * distortion_energy(strain) + lambda / 2 * log_volume * log_volume, mu,
                 2 * mu * strain.mean + lambda * log_volume};
     }

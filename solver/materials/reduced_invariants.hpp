@@ -37,11 +37,14 @@ PALPATE_DEVICE Response<Real> reduced_response(const FiniteStrain<Real>& strain,
     const Real change = strain.volume_change;
     const Real stiff_volume = kappa * (1 + change);
     Response<Real> r;
+    // W = psi(x) + kappa/2 (J - 1)^2, a = 2 psi' I3^(-1/3), b = kappa J (J - 1) (method.md, 8.1)
     r.energy = psi.value + kappa / 2 * change * change;
     r.shear = 2 * psi.first * scale;
+    // da = 2 psi'' dx I3^(-1/3) - 2/3 a g, since I3^(-1/3) = J^(-2/3) and d ln J = g
     r.shear_by_distortion = 4 * psi.second * scale * scale;
     r.shear_by_volume = -2 * r.shear / 3;
     r.pressure = stiff_volume * change;
+    // db = kappa (2 J - 1) J g
     r.pressure_by_volume = stiff_volume * (1 + 2 * change);
     r.pressure_by_strain = 0;
     return r;

@@ -36,6 +36,7 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);
+        // psi = C1 x + C2 x^2, psi' = C1 + 2 C2 x, psi'' = 2 C2
         return reduced_response(strain, x,
                                 Potential<Real>{x * (c1 + c2 * x), c1 + 2 * c2 * x, 2 * c2}, kappa);
     }
@@ -43,6 +44,7 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
     PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
                                                               int k) const {
         const Real x = distortion(strain);
+        // By C1, C2 and D1; kappa = 2 / D1
         if (k == 0) return reduced_parameter_response(strain, x, x, Real(1), Real(0));
         if (k == 1) return reduced_parameter_response(strain, x, x * x, 2 * x, Real(0));
         return reduced_parameter_response(strain, x, Real(0), Real(0), kappa_slope);

@@ -45,6 +45,7 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);
         const Real growth = expm1(gamma * x);
+        // psi = mu/gamma (e^(gamma x) - 1), psi' = mu e^(gamma x), psi'' = gamma psi'
         const Real first = mu * (1 + growth);
         return reduced_response(strain, x,
                                 Potential<Real>{mu / gamma * growth, first, gamma * first}, kappa);
@@ -56,6 +57,8 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
         const Real x = distortion(strain);
         const Real growth = expm1(gamma * x);
         if (k == 0)
+            // By mu, gamma and kappa: psi and psi' are linear in mu, d psi'/d gamma = mu x e^(gamma
+            // x).
             return reduced_parameter_response(strain, x, growth / gamma, 1 + growth, Real(0));
         if (k == 1)
             return reduced_parameter_response(strain, x, mu * x * x * exponential_moment(gamma * x),

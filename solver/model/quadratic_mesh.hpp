@@ -11,4 +11,12 @@ namespace palpate {
 /// Throws Error(invalid_argument) for other types.
 SolidMesh with_edge_nodes(const SolidMesh& linear);
 
+/// Linear tetrahedra on the same nodes: tet4 as they are, a tet10 as eight, one at each corner and
+/// four round the diagonal of the octahedron between them. Throws Error(invalid_argument) for other
+/// types.
+Mesh linear_mesh_of(const SolidMesh& mesh);
+
+/// The tetrahedra of the elements' corners alone, on the same nodes. Throws as `linear_mesh_of`.
+Mesh corner_mesh_of(const SolidMesh& mesh);
+
 }  // namespace palpate

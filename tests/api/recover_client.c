@@ -62,6 +62,40 @@ static void expect_folders_with_options(const palpate_result* result,
     expect(system(command) == 0, "is cleaned up");
 }
 
+/* The figures of a region are those that `palpate_result_region` gives, by name and by position. */
+static void check_figures(const palpate_result* result) {
+    for (int32_t k = 0; k < palpate_result_num_regions(result); ++k) {
+        palpate_region region = {.struct_size = sizeof region};
+        palpate_figure here = {.struct_size = sizeof here}, there = {.struct_size = sizeof there};
+        palpate_result_region(result, k, &region);
+        char by_name[200], by_position[60];
+        snprintf(by_name, sizeof by_name, "regions/%s/stiffness_kpa", region.name);
+        snprintf(by_position, sizeof by_position, "regions/%d/stiffness_kpa", (int)k);
+        expect(palpate_result_figure(result, by_name, &here) == PALPATE_OK &&
+                   palpate_result_figure(result, by_position, &there) == PALPATE_OK,
+               "finds a figure by name and by position");
+        expect(strcmp(here.unit, "kPa") == 0 && strcmp(here.verdict, region.verdict) == 0 &&
+                   strcmp(there.reason, region.reason) == 0,
+               "a figure has unit, verdict and reason");
+        if (strcmp(region.verdict, "hollow") == 0)
+            expect(isnan(here.value) && isnan(here.interval_95[0]), "a hollow region has no modulus");
+        else
+            expect(here.value == region.stiffness_kpa && there.value == region.stiffness_kpa &&
+                       here.interval_95[1] == region.interval_kpa[1],
+                   "a figure is the region's");
+    }
+    palpate_figure figure = {.struct_size = sizeof figure};
+    expect(palpate_result_figure(result, "material", &figure) == PALPATE_OK &&
+               strcmp(figure.text, "linear") == 0 && isnan(figure.value) &&
+               strcmp(figure.verdict, "") == 0,
+           "a text is no number");
+    expect(palpate_result_figure(result, "regions/99/label", &figure) == PALPATE_INVALID_ARGUMENT,
+           "refuses a figure that is not there");
+    figure.struct_size = 0;
+    expect(palpate_result_figure(result, "material", &figure) == PALPATE_INVALID_ARGUMENT,
+           "refuses a figure without a size");
+}
+
 static void read_result(const palpate_result* result) {
     int found = 0;
     for (int32_t k = 0; k < palpate_result_num_regions(result); ++k) {
@@ -94,6 +128,7 @@ static void read_result(const palpate_result* result) {
     int32_t size[3];
     expect(palpate_result_field(result, size) != NULL && size[0] > 10, "there is a field");
     expect(strstr(palpate_result_json(result), "\"regions\"") != NULL, "there is JSON");
+    check_figures(result);
     expect(palpate_result_write(result, "/proc/nowhere/result") == PALPATE_OUTPUT_FAILED,
            "says that a folder cannot be written");
     palpate_write_options writing;

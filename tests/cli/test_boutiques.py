@@ -21,23 +21,9 @@ def descriptor():
     return json.loads(DESCRIPTOR.read_text())
 
 
-def test_its_flags_and_choices_are_those_of_the_program(descriptor):
-    told = run_palpate("recover", "--help").stdout
-    options = dict(re.findall(r"^  (?:-\w,)?(--[\w-]+)(.*)$", told, re.M))
-    for entry in descriptor["inputs"]:
-        if "command-line-flag" not in entry:
-            assert re.search(rf"^  {entry['id'].rstrip('s')}\b", told, re.M), entry["id"]
-            continue
-        option = options[entry["command-line-flag"]]
-        choices = re.search(r"\{(.*?)\}", option)
-        if "value-choices" in entry:
-            assert sorted(choices[1].split(",")) == sorted(entry["value-choices"])
-        default = re.search(r"=([\w.-]+)", option)
-        if default:
-            assert str(entry["default-value"]) == default[1]
-        limits = re.search(r"in \[([\d.]+) - ([\d.]+)\]", option)
-        if limits:
-            assert (entry["minimum"], entry["maximum"]) == tuple(map(float, limits.groups()))
+def test_it_is_what_the_program_describes():
+    assert run_palpate("describe", "recover", "--as", "boutiques").stdout == DESCRIPTOR.read_text(), (
+        f"make it again: palpate describe recover --as boutiques > {DESCRIPTOR.relative_to(ROOT)}")
 
 
 def test_its_exit_codes_are_those_of_the_program(descriptor):
@@ -57,9 +43,8 @@ def test_it_is_valid_and_builds_the_command_line(phantom, tmp_path):
     subprocess.run([BOSH, "validate", DESCRIPTOR], check=True, capture_output=True)
     invocation = tmp_path / "invocation.json"
     invocation.write_text(json.dumps({
-        "reference": str(phantom / "reference.nii.gz"), "targets": [str(phantom / "target.nii.gz")],
-        "config": str(phantom / "organs.toml"), "out": str(tmp_path / "result"), "nodes": 1500,
-        "quiet": True}))
+        "reference": str(phantom / "reference.nii.gz"), "target": [str(phantom / "target.nii.gz")],
+        "config": str(phantom / "organs.toml"), "out": str(tmp_path / "result"), "nodes": 1500}))
     told = subprocess.run([BOSH, "exec", "simulate", DESCRIPTOR, "-i", invocation],
                           capture_output=True, text=True, check=True).stdout
     (line,) = [line for line in told.splitlines() if line.startswith("palpate recover ")]

@@ -39,7 +39,7 @@ def test_an_unknown_option_is_a_usage_error(phantom, out):
 
 @pytest.mark.parametrize("words, sentence", [
     (["recovr", "a"], "there is no command 'recovr'; there are recover, phantom"),
-    (["study", "foo"], "there is no command 'foo'; there are coverage"),
+    (["study", "foo", "--out", "x"], "study: foo not in {coverage,"),
     (["warp", "--inverse"], "A subcommand is required"),
     (["export", "a", "--walls", "foo", "--out", "b.feb"], "foo not in {displacement,force}"),
     (["recover", "a", "b", "--config", "c", "--out", "o", "--fields", "both"], "both not in {none,one,all}"),

@@ -6,6 +6,7 @@ import json
 import pytest
 
 from tests.conftest import recover_arguments, run_palpate, with_unknown_ratio
+from tests.verdicts import verdict_that_follows
 
 
 def made(folder, *more):
@@ -30,7 +31,8 @@ def test_large_deformation_is_recovered_with_its_own_law(tmp_path):
     linear, stiffness, _ = recovered(phantom, tmp_path / "linear")
 
     # A mesh this coarse is too stiff; linear elasticity is off by a factor the other way.
-    assert 50 < prostate["stiffness_kpa"] < 100 and prostate["verdict"] in ("recovered", "weak")
+    assert 50 < prostate["stiffness_kpa"] < 100 and prostate["verdict"] == verdict_that_follows(prostate)
+    assert prostate["verdict"] != "not identifiable"
     assert prostate["stiffness_kpa"] > 1.2 * stiffness["stiffness_kpa"]
     assert report["material"] == "neo-hookean" and linear["material"] == "linear"
     assert "rounds of linearisation" in report["termination"]["reason"]

@@ -153,3 +153,28 @@ def test_a_ready_mesh_gives_the_same_modulus(phantom, result, tmp_path):
     assert again["mesh"]["nodes"] == report["mesh"]["nodes"]
     assert prostate(again)["stiffness_kpa"] == pytest.approx(prostate(report)["stiffness_kpa"],
                                                              rel=2e-2)
+
+
+def test_quadratic_elements_do_the_same(result, phantom, tmp_path):
+    _, linear = result
+    report = recovered(phantom, tmp_path / "out", "--element", "tet10")
+    mesh = read_arrays(tmp_path / "out" / "mesh.vtu")
+    assert (linear["mesh"]["element_type"], report["mesh"]["element_type"]) == ("tet4", "tet10")
+    assert set(mesh["types"]) == {24}  # VTK_QUADRATIC_TETRA
+    assert len(mesh["connectivity"]) == 10 * report["mesh"]["elements"]
+    assert 0.6 < report["mesh"]["nodes"] / linear["mesh"]["nodes"] < 2
+    for stage in ("condensing", "solving"):
+        assert "tet10 elements: factorised on the host" in report["linear_solver"][stage]["reason"]
+    truth, estimate = 60, prostate(report)["stiffness_kpa"]
+    assert abs(numpy.log(estimate / truth)) < 0.5
+    work_mj = 0.5 * (mesh["force"] * mesh["displacement"]).sum() / 1000
+    energy_mj = sum(r["strain_energy_mj"] for r in report["regions"] if not r["hollow"])
+    assert energy_mj == pytest.approx(work_mj, rel=1e-3)
+
+
+def test_a_ready_mesh_of_quadratic_elements_is_taken_as_it_is(phantom, tmp_path):
+    first = recovered(phantom, tmp_path / "first", "--element", "tet10")
+    again = recovered(phantom, tmp_path / "again", "--mesh", tmp_path / "first" / "mesh.vtu")
+    assert again["mesh"]["element_type"] == "tet10"
+    assert again["mesh"]["elements"] == first["mesh"]["elements"]
+    assert prostate(again)["stiffness_kpa"] == pytest.approx(prostate(first)["stiffness_kpa"], rel=0.02)

@@ -42,7 +42,7 @@ def test_every_target_gets_its_folder_and_its_lines(two):
     assert [row["target"] for row in rows] == ["target", "still"]
     assert float(rows[0]["stiffness_kpa"]) == pytest.approx(prostate_kpa(folder / "out" / "target"))
     assert float(rows[0]["low_kpa"]) < float(rows[0]["stiffness_kpa"]) < float(rows[0]["high_kpa"])
-    assert rows[1]["verdict"] in ("weak", "not identifiable")
+    assert rows[1]["verdict"] == "not identifiable"  # the reference again: nothing moved
     for word in ("Target", "prostate", "still", rows[0]["verdict"], "targets.csv"):
         assert word in finished.stdout
 

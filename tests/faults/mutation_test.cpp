@@ -32,7 +32,7 @@ constexpr long largest_child_kib = 2L << 20;
 
 int num_mutations() {
     const char* wanted = std::getenv("PALPATE_MUTATIONS");
-    return wanted ? std::atoi(wanted) : 1000;
+    return wanted ? std::atoi(wanted) : 400;
 }
 
 Bytes bytes_of(const std::filesystem::path& path) {

@@ -155,8 +155,8 @@ RecoveryModel model_of(const Liver& input) {
         }
     }
     std::sort(recovery.observed.begin(), recovery.observed.end());
-    recovery.model.mesh = input.mesh;
-    recovery.model.materials.assign(4, {20.0, 0.45});
+    recovery.model.mesh = solid_mesh_of(input.mesh);
+    recovery.model.materials.assign(4, {"linear", {20.0, 0.45}});
     recovery.model.prescribed.assign(3 * input.mesh.nodes.size(), 0);
     for (const auto* nodes : {&recovery.fixed, &recovery.driven}) {
         for (const Index node : *nodes) {

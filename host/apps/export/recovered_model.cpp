@@ -118,6 +118,17 @@ void take_fields(const MeshArrays& arrays, const fs::path& file, RecoveredModel&
     }
 }
 
+/// A result that does not name its elements is of tet4.
+void require_tet4(const Json& json, const fs::path& file) {
+    const Json mesh = json.value("mesh", Json::object());
+    const std::string element = mesh.is_object() ? mesh.value("element_type", "tet4") : "tet4";
+    if (element == "tet4") return;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("'{}' is of {} elements, and models are written of tet4 only; recover "
+                            "with --element tet4",
+                            file.string(), element));
+}
+
 std::size_t num_tets_in(const std::vector<ModelRegion>& regions) {
     std::size_t sum = 0;
     for (const ModelRegion& region : regions) sum += region.tets.size();
@@ -144,6 +155,11 @@ RecoveredModel read_recovered_model(const fs::path& folder) {
     if (!fs::is_directory(folder, error)) unreadable(folder, "it is not a folder");
     const fs::path json_file = folder / "result.json", mesh_file = folder / "mesh.vtu";
     const Json json = read_json(json_file);
+    try {
+        require_tet4(json, json_file);
+    } catch (const Json::exception&) {
+        unreadable(json_file, "it does not name its elements");
+    }
     RecoveredModel model;
     MeshArrays arrays;
     model.mesh = read_vtu(mesh_file, "region", &arrays);

@@ -37,7 +37,8 @@ struct RecoveredModel {
 };
 
 /// Reads mesh.vtu and result.json of a result folder. Throws Error(input_unreadable) (missing,
-/// damaged), Error(input_unusable) (from a palpate that did not write what holds the nodes).
+/// damaged), Error(input_unusable) (from a palpate that did not write what holds the nodes),
+/// Error(unsupported) for other elements than tet4.
 RecoveredModel read_recovered_model(const std::filesystem::path& folder);
 
 }  // namespace palpate

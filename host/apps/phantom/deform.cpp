@@ -10,6 +10,7 @@
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/newton.hpp"
 #include "solver/linear/make_linear_solver.hpp"
+#include "solver/model/tet4_model.hpp"
 
 namespace palpate {
 namespace {
@@ -88,7 +89,7 @@ Deformation deform_linear(const WallProblem& problem, double load_factor,
 Deformation deform_finite(const WallProblem& problem, TissueLaw law, double load_factor,
                           const LinearSolverOptions& options, const ProgressSink& progress) {
     constexpr double step = 0.95, least_scale = 0.05;
-    const SolidAssembly solid(solid_model_of(problem.model, law),
+    const SolidAssembly solid(solid_model_of(problem.model, name_of(law)),
                               {options.backend, options.device});
     EquilibriumOptions solve;
     solve.linear = matrix_solver_options(options);

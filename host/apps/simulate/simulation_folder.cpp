@@ -4,10 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "host/apps/simulate/simulation_json.hpp"
 #include "host/apps/simulate/simulation_page.hpp"
+#include "host/apps/simulate/simulation_tree.hpp"
 #include "host/geometry/meshing/solid_mesh_file.hpp"
 #include "host/io/output_folder.hpp"
+#include "host/page/tree_json.hpp"
 
 namespace palpate {
 namespace {
@@ -58,7 +59,7 @@ void write_simulation(const SimulationResult& result, const std::filesystem::pat
             write_solid_mesh(inside / state_file_name(k), mesh, arrays_of(result.states[k]));
         write_text_file(inside / "simulation.pvd", series_pvd(result));
         write_text_file(inside / "reactions.csv", reactions_csv(result));
-        write_text_file(inside / mark, simulation_json(result));
+        write_text_file(inside / mark, tree_json(simulation_tree(result)));
         write_text_file(inside / "report.html", simulation_page(result));
     });
 }

@@ -10,9 +10,11 @@
 #include "host/apps/simulate/body_figures.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/apps/simulate/simulation_plots.hpp"
+#include "host/apps/simulate/simulation_tree.hpp"
 #include "host/page/assets.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/numbers.hpp"
+#include "host/page/solver_figures.hpp"
 #include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 
@@ -193,12 +195,8 @@ std::string details(const SimulationResult& result) {
     }
     add("Tolerance",
         fmt::format("relative residual {:g}", result.settings.newton.relative_tolerance));
-    if (const auto& solver = result.tangents)
-        add("Tangents", fmt::format("{}{} on {} ({})", name_of(solver->method),
-                                    solver->library.empty() ? "" : ", " + solver->library,
-                                    solver->device.device, solver->reason));
-    if (const auto& loops = result.loops)
-        add("Element loops", fmt::format("on {} ({})", loops->device.device, loops->reason));
+    if (const auto& solver = result.tangents) add("Tangents", solver_text(*solver));
+    for (const auto& [title, value] : titled_rows(simulation_tree(result))) add(title, value);
     return out + "</dl>";
 }
 

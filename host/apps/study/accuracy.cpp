@@ -10,13 +10,17 @@
 
 namespace palpate {
 
+std::optional<Verdict> verdict_in(const Row& row, const std::string& column) {
+    return row.has(column) ? std::optional(verdict_of(row.text(column))) : std::nullopt;
+}
+
 std::vector<Estimate> estimates_of(const std::vector<Row>& rows) {
     std::vector<Estimate> estimates;
     for (const Row& row : rows) {
         Estimate estimate;
         estimate.expected_kpa = row.number(row.has("expected_kpa") ? "expected_kpa" : "true_kpa");
         estimate.found_kpa = row.number("found_kpa");
-        estimate.verdict = row.text("verdict");
+        estimate.verdict = verdict_in(row, "verdict");
         if (row.has("low_kpa") && row.has("high_kpa"))
             estimate.interval_kpa = {row.number("low_kpa"), row.number("high_kpa")};
         estimates.push_back(estimate);
@@ -27,7 +31,7 @@ std::vector<Estimate> estimates_of(const std::vector<Row>& rows) {
 std::vector<Estimate> estimates_of(const std::vector<PublishedStiffness>& published) {
     std::vector<Estimate> estimates;
     for (const auto& value : published)
-        estimates.push_back({value.expected_kpa, value.found_kpa, {0, 0}, ""});
+        estimates.push_back({value.expected_kpa, value.found_kpa, {0, 0}});
     return estimates;
 }
 

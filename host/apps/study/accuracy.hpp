@@ -3,19 +3,21 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/apps/study/published.hpp"
 #include "host/apps/study/study.hpp"
+#include "host/estimate/verdict.hpp"
 
 namespace palpate {
 
 /// A recovered stiffness beside the one that was expected, kPa.
 struct Estimate {
     double expected_kpa = 0, found_kpa = 0;
-    std::array<double, 2> interval_kpa{0, 0};  ///< 95 %; {0, 0} if nobody gave one
-    std::string verdict;                       ///< empty if nobody gave one
+    std::array<double, 2> interval_kpa{0, 0};       ///< 95 %; {0, 0} if nobody gave one
+    std::optional<Verdict> verdict = std::nullopt;  ///< empty if nobody gave one
 
     double error_percent() const { return 100 * (found_kpa / expected_kpa - 1); }
     bool has_interval() const { return interval_kpa[1] > 0; }
@@ -24,7 +26,12 @@ struct Estimate {
     }
 };
 
+/// Of one column; empty where the row has none. Throws Error(invalid_argument) for a word that is
+/// no verdict.
+std::optional<Verdict> verdict_in(const Row& row, const std::string& column);
+
 /// Columns expected_kpa (or true_kpa where there is none), found_kpa, low_kpa, high_kpa, verdict.
+/// Throws Error(invalid_argument) for a verdict that is none.
 std::vector<Estimate> estimates_of(const std::vector<Row>& rows);
 std::vector<Estimate> estimates_of(const std::vector<PublishedStiffness>& published);
 

@@ -14,8 +14,8 @@ void BesideTable::add(double key, const std::string& column, const std::string& 
     lines_[key][column] = value;
 }
 
-TextTable BesideTable::table() const {
-    TextTable table;
+StudyTable BesideTable::table() const {
+    StudyTable table;
     table.header = {key_name_};
     table.header.insert(table.header.end(), columns_.begin(), columns_.end());
     for (const auto& [key, values] : lines_) {

@@ -17,7 +17,7 @@ class BesideTable {
 public:
     explicit BesideTable(std::string key_name) : key_name_(std::move(key_name)) {}
     void add(double key, const std::string& column, const std::string& value);
-    TextTable table() const;
+    StudyTable table() const;
 
 private:
     std::string key_name_;

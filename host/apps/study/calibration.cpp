@@ -63,8 +63,8 @@ std::vector<Calibration> calibration_by_family(const std::vector<Row>& rows) {
     return families;
 }
 
-TextTable calibration_table(const std::vector<Calibration>& families) {
-    TextTable table;
+StudyTable calibration_table(const std::vector<Calibration>& families) {
+    StudyTable table;
     table.header = {"family",
                     "phantoms",
                     "intervals that hold",

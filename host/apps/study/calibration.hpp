@@ -29,6 +29,6 @@ struct Calibration {
 /// holds_truth.
 std::vector<Calibration> calibration_by_family(const std::vector<Row>& rows);
 
-TextTable calibration_table(const std::vector<Calibration>& families);
+StudyTable calibration_table(const std::vector<Calibration>& families);
 
 }  // namespace palpate

@@ -34,7 +34,8 @@ SurfaceObservations exact_observations(const RecoveryModel& recovery, const Pelv
     seen.noise_mm = noise_mm;
     seen.independent_area_mm2 = 1e-3;
     return SurfaceObservations(
-        recovery, shapes_of(build_model(phantom.mesh, phantom.settings), phantom.displacement),
+        recovery,
+        shapes_of(build_model(body_mesh(phantom.mesh), phantom.settings), phantom.displacement),
         std::vector<std::uint8_t>(recovery.model.mesh.nodes.size(), 1), seen);
 }
 

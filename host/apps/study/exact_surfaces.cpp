@@ -42,7 +42,7 @@ MapEstimate recover_from_surfaces(const Truth& truth, const StudyOptions& option
     const MechanicsOptions exact{exact_response(truth.is_finer ? 0.02 : 0.002)};
     StageTimer timer;
     const Mechanics mechanics =
-        make_mechanics(mesh, phantom.settings, solver, exact, timer, progress);
+        make_mechanics(body_mesh(mesh), phantom.settings, solver, exact, timer, progress);
     const SurfaceObservations observations =
         exact_observations(mechanics.recovery, phantom, first_noise_mm);
     return map_estimate(mechanics.response, mechanics.walls, observations, mechanics.unknowns,
@@ -75,7 +75,7 @@ Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& 
 }
 
 /// One line per true stiffness, one column per scene and mesh.
-TextTable error_table(const std::vector<Row>& rows) {
+StudyTable error_table(const std::vector<Row>& rows) {
     BesideTable table("true E, kPa");
     for (const Row& row : rows)
         table.add(row.number("true_kpa"),

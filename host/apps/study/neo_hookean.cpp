@@ -46,7 +46,7 @@ Outcome recover_neo_hookean(const NeoHookeanTruth& truth, const StudyOptions& op
     phantom.settings.background->stiffness_kpa = assumed_kpa;
     const auto begin = std::chrono::steady_clock::now();
     StageTimer timer;
-    const Mechanics rest = make_mechanics(phantom.mesh, phantom.settings, solver,
+    const Mechanics rest = make_mechanics(body_mesh(phantom.mesh), phantom.settings, solver,
                                           {exact_response(0.1 * linear_noise_mm)}, timer, progress);
     FiniteStrainOptions search;
     search.search = exact_search(linear_noise_mm);
@@ -104,8 +104,8 @@ std::vector<Row> rows_with(const std::vector<Row>& rows, bool is_doubled) {
 
 /// One line per stiffness, one column per scene: ours, what linear elasticity makes of the same
 /// surfaces, and the published ones.
-TextTable beside_table(const std::vector<Row>& rows, const std::string& key,
-                       const std::vector<PublishedStiffness>& published) {
+StudyTable beside_table(const std::vector<Row>& rows, const std::string& key,
+                        const std::vector<PublishedStiffness>& published) {
     BesideTable table(key);
     for (const char* column : {"found_kpa", "linear_kpa"})
         for (const Row& row : rows)
@@ -133,8 +133,8 @@ std::ptrdiff_t num_unsettled(const std::vector<Row>& rows) {
 
 StudyReport neo_hookean_report(const std::vector<Row>& rows) {
     const auto known = rows_with(rows, false), twice = rows_with(rows, true);
-    const TextTable known_table = beside_table(known, "true E, kPa", published_neo_hookean());
-    const TextTable twice_table = beside_table(twice, "expected E, kPa", published_surroundings());
+    const StudyTable known_table = beside_table(known, "true E, kPa", published_neo_hookean());
+    const StudyTable twice_table = beside_table(twice, "expected E, kPa", published_surroundings());
     const Accuracy all = accuracy_of("all", estimates_of(rows));
     StudyReport report;
     report.headline = fmt::format(

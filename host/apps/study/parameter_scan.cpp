@@ -67,7 +67,7 @@ StudyPicture profile_picture(const Row& row) {
                         row.text("seed"), significant(truth))};
 }
 
-TextTable start_table(const std::vector<Row>& rows) {
+StudyTable start_table(const std::vector<Row>& rows) {
     BesideTable table("true E, kPa");
     for (const Row& row : rows)
         table.add(row.number("true_kpa"),

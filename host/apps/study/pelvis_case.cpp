@@ -127,7 +127,7 @@ Row pelvis_row(const PelvisCase& work, const PelvisOutcome& outcome) {
     row.set("ln_error", std::log(found.stiffness_kpa / expected), 3);
     row.set("claimed_sd", std::log(high / low) / (2 * 1.96), 3);
     row.set("contours_mm", outcome.result.contours ? outcome.result.contours->sd_mm : 0.0, 3);
-    row.set("verdict", found.verdict);
+    row.set("verdict", std::string(name_of(found.verdict)));
     row.set("landmark_mean_mm", mean_of(errors), 3);
     row.set("landmark_max_mm", *std::max_element(errors.begin(), errors.end()), 3);
     row.set_flag("converged", outcome.result.termination.converged);

@@ -19,7 +19,7 @@ constexpr double assumed_ratio = 0.40;
 const std::vector<std::string> colours{"#2f86c9", "#009e73", "#d55e00", "#8a63c9"};
 
 /// One line per true ratio, one column per true stiffness: the mean error of the scenes.
-TextTable ratio_error_table(const std::vector<Row>& rows) {
+StudyTable ratio_error_table(const std::vector<Row>& rows) {
     std::map<std::pair<double, double>, std::vector<double>> errors;
     for (const Row& row : rows)
         errors[{row.number("true_kpa"), row.number("true_poisson_ratio")}].push_back(

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// One line per true stiffness, one column per scene, ours and the published ones.
-TextTable beside_table(const std::vector<Row>& rows) {
+StudyTable beside_table(const std::vector<Row>& rows) {
     BesideTable table("true E, kPa");
     for (const Row& row : rows)
         table.add(row.number("true_kpa"), "palpate, seed " + row.text("seed"),

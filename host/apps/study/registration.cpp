@@ -67,8 +67,8 @@ StudyPicture landmark_picture(const std::vector<double>& ours, const std::vector
             "Below the dashed line mechanics help."};
 }
 
-TextTable method_table(const std::vector<Row>& rows) {
-    TextTable table{{"", "mean, mm", "largest mean, mm", "largest point, mm"}, {}};
+StudyTable method_table(const std::vector<Row>& rows) {
+    StudyTable table{{"", "mean, mm", "largest mean, mm", "largest point, mm"}, {}};
     const auto add = [&](const std::string& name, const std::vector<double>& mean,
                          const std::vector<double>& worst) {
         table.lines.push_back({name, fmt::format("{:.2f}", mean_of(mean)),
@@ -92,7 +92,7 @@ std::string test_sentence(const std::vector<double>& ours, const std::vector<dou
 }
 
 std::string published_table() {
-    TextTable table{{"published, patient", "joint recovery, mm", "demons, mm"}, {}};
+    StudyTable table{{"published, patient", "joint recovery, mm", "demons, mm"}, {}};
     for (const auto& [joint_mm, demons_mm] : published_landmarks())
         table.lines.push_back({fmt::format("{}", table.lines.size() + 1),
                                fmt::format("{:.1f}", joint_mm), fmt::format("{:.1f}", demons_mm)});

@@ -59,7 +59,7 @@ public:
             threads.emplace_back([this] { work(); });
         work();
         for (std::jthread& thread : threads) thread.join();
-        if (error_) std::rethrow_exception(error_);
+        if (error_ && !is_told_to_stop_) std::rethrow_exception(error_);
         return summary();
     }
 
@@ -88,7 +88,10 @@ private:
         try {
             row = work.run([&](const Progress& inner) {
                 if (is_stopped()) throw Error(ErrorCode::cancelled, "the study was stopped");
-                if (!inner.stage.empty()) tell(work, inner.stage);
+                if (!inner.stage.empty())
+                    tell(work, inner.stage);
+                else
+                    send({});  // which asks whether to go on
             });
         } catch (const Error& error) {
             if (is_stopped()) return;
@@ -118,7 +121,24 @@ private:
         std::string message = fmt::format("{} of {} done", done, total);
         if (num_done_ > 0) message += fmt::format(", {} left", duration_text(seconds_left()));
         message += fmt::format("; {}{}{}", work.title, stage.empty() ? "" : ": ", stage);
-        progress_(Progress{study_.name, double(done) / double(total), message});
+        offer(Progress{study_.name, double(done) / double(total), message});
+    }
+
+    void send(const Progress& step) {
+        if (!progress_) return;
+        const std::lock_guard lock(mutex_);
+        offer(step);
+    }
+
+    /// What the sink throws ends the study, not the case that was told of.
+    void offer(const Progress& step) {
+        try {
+            progress_(step);
+        } catch (...) {
+            if (!error_) error_ = std::current_exception();
+            is_told_to_stop_ = is_broken_ = true;
+            throw;
+        }
     }
 
     /// From the cases of this run that are done.
@@ -146,6 +166,7 @@ private:
         run.num_cases = study_.cases.size();
         run.num_resumed = num_resumed_;
         run.is_cancelled = is_stopped() && run.rows.size() < run.num_cases;
+        run.stopped_by = error_;
         return run;
     }
 
@@ -158,7 +179,7 @@ private:
     std::vector<std::size_t> waiting_;      ///< cases without a row
     std::size_t num_resumed_ = 0, num_done_ = 0;
     std::atomic<std::size_t> next_ = 0;
-    std::atomic<bool> is_broken_ = false;
+    std::atomic<bool> is_broken_ = false, is_told_to_stop_ = false;
     std::exception_ptr error_;
     std::mutex mutex_;
     Clock::time_point begin_ = Clock::now(), last_done_ = begin_;

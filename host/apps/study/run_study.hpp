@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -24,11 +25,13 @@ struct StudyRun {
     std::size_t num_cases = 0;
     std::size_t num_resumed = 0;  ///< rows that were there already
     bool is_cancelled = false;
+    std::exception_ptr stopped_by;  ///< what the progress sink threw to stop it, if it did
 };
 
 /// Runs the cases of which `folder` has no row yet. After each, study.csv is replaced in one step,
 /// so that it is whole whenever the program stops. A case that throws Error is told in the row's
 /// place (`failures`) and tried again by the next run.
+/// What the progress sink throws stops the study early and is kept (`stopped_by`).
 /// Throws Error(output_failed) if the folder cannot be written or holds something else: another
 /// study, other settings (both are named), or no study.
 StudyRun run_study(const Study& study, const StudyRunOptions& options,

@@ -85,10 +85,10 @@ StudyPicture radius_picture(const std::vector<Row>& rows, bool over_modulus) {
                 : "Radius over the pressure, by modulus. Lines: closed form; dots: elements."};
 }
 
-TextTable sensitivity_table(const std::vector<Row>& rows) {
-    TextTable table{{"E of the ball, kPa", "radius, mm", "elements, mm",
-                     "error of the displacement", "moves when 10 % stiffer, mm"},
-                    {}};
+StudyTable sensitivity_table(const std::vector<Row>& rows) {
+    StudyTable table{{"E of the ball, kPa", "radius, mm", "elements, mm",
+                      "error of the displacement", "moves when 10 % stiffer, mm"},
+                     {}};
     for (const Row& row : rows) {
         if (row.number("pressure_kpa") != 1) continue;
         table.lines.push_back({fmt::format("{:g}", row.number("modulus_kpa")),

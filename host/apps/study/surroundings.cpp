@@ -11,7 +11,7 @@ namespace {
 
 constexpr double true_kpa = 20, assumed_kpa = 10;  // of the surrounding tissue
 
-TextTable surroundings_table(const std::vector<Row>& rows) {
+StudyTable surroundings_table(const std::vector<Row>& rows) {
     BesideTable table("expected E, kPa");
     for (const Row& row : rows)
         table.add(row.number("expected_kpa"), "palpate, seed " + row.text("seed"),

@@ -42,7 +42,7 @@ std::vector<std::string> error_cells(const Accuracy& group) {
 
 }  // namespace
 
-std::string TextTable::html(const std::string& css_class) const {
+std::string StudyTable::html(const std::string& css_class) const {
     std::string out =
         fmt::format("<div class='scroll'><table class='{}'><thead>{}{}</thead><tbody>", css_class,
                     group_line(groups), html_line(header, "th"));
@@ -50,7 +50,7 @@ std::string TextTable::html(const std::string& css_class) const {
     return out + "</tbody></table></div>";
 }
 
-std::string TextTable::plain() const {
+std::string StudyTable::plain() const {
     std::vector<std::size_t> width(header.size(), 0);
     std::vector<std::vector<std::string>> all{header};
     all.insert(all.end(), lines.begin(), lines.end());
@@ -81,10 +81,10 @@ std::string holding_text(const Accuracy& accuracy) {
                        100 * accuracy.holding_range[1]);
 }
 
-TextTable accuracy_table(const std::vector<Accuracy>& ours,
-                         const std::vector<Accuracy>& published) {
+StudyTable accuracy_table(const std::vector<Accuracy>& ours,
+                          const std::vector<Accuracy>& published) {
     const std::vector<std::string> errors{"cases", "median |error|", "mean error", "worst |error|"};
-    TextTable table;
+    StudyTable table;
     table.header = {"true stiffness"};
     table.header.insert(table.header.end(), errors.begin(), errors.end());
     table.header.push_back("intervals that hold the truth");

@@ -12,7 +12,7 @@
 namespace palpate {
 
 /// A table of texts as HTML, escaped; columns after the first are aligned right.
-struct TextTable {
+struct StudyTable {
     std::vector<std::string> header;
     std::vector<std::vector<std::string>> lines;
     /// Titles over the columns after the first, with how many each spans; may be empty.
@@ -24,7 +24,8 @@ struct TextTable {
 
 /// Count, median and mean error and the share of intervals that hold the truth, by group of
 /// stiffness; published values (may be empty) beside ours.
-TextTable accuracy_table(const std::vector<Accuracy>& ours, const std::vector<Accuracy>& published);
+StudyTable accuracy_table(const std::vector<Accuracy>& ours,
+                          const std::vector<Accuracy>& published);
 
 /// "57 of 60 (95 %; 86 to 99 %)"; "–" without intervals.
 std::string holding_text(const Accuracy& accuracy);

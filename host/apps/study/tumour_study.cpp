@@ -24,7 +24,7 @@ double lower_bound_kpa(double fraction) {
     return 1 / ((1 - fraction) / healthy_kpa + fraction / tumour_kpa);
 }
 
-TextTable tumour_table(const std::vector<Row>& rows) {
+StudyTable tumour_table(const std::vector<Row>& rows) {
     BesideTable table("tumour, % of the prostate");
     for (const Row& row : rows) {
         const double fraction = row.number("tumour_fraction");

@@ -72,7 +72,7 @@ void set_zone(Row& row, const std::string& zone, double true_kpa, const Recovery
     row.set(zone + "_low_kpa", low, 2);
     row.set(zone + "_high_kpa", high, 2);
     row.set_flag(zone + "_holds_truth", low <= true_kpa && true_kpa <= high);
-    row.set(zone + "_verdict", found->verdict);
+    row.set(zone + "_verdict", std::string(name_of(found->verdict)));
     row.set(zone + "_reason", found->reason);
 }
 
@@ -109,7 +109,7 @@ Estimate estimate_of(const Row& row, const std::string& zone) {
     return {row.number(zone + "_true_kpa"),
             row.number(zone + "_found_kpa"),
             {row.number(zone + "_low_kpa"), row.number(zone + "_high_kpa")},
-            row.text(zone + "_verdict")};
+            verdict_in(row, zone + "_verdict")};
 }
 
 std::vector<Row> rows_of(const std::vector<Row>& rows, bool built_to_be_recovered) {
@@ -120,15 +120,15 @@ std::vector<Row> rows_of(const std::vector<Row>& rows, bool built_to_be_recovere
     return some;
 }
 
-/// Of these rows, by zone; both zones for an empty `zone`, one verdict or (empty) all of them.
+/// Of these rows, by zone; both zones for an empty `zone`, one verdict or all of them.
 std::vector<Estimate> estimates(const std::vector<Row>& rows, const std::string& zone,
-                                const std::string& verdict) {
+                                std::optional<Verdict> verdict = std::nullopt) {
     std::vector<Estimate> some;
     for (const Row& row : rows)
         for (const std::string& name : zones) {
             const Estimate estimate = estimate_of(row, name);
             if (!zone.empty() && zone != name) continue;
-            if (verdict.empty() || verdict == estimate.verdict) some.push_back(estimate);
+            if (!verdict || verdict == estimate.verdict) some.push_back(estimate);
         }
     return some;
 }
@@ -151,18 +151,19 @@ std::vector<std::string> error_line(const std::string& name, const std::vector<E
 }
 
 /// One line per verdict and zone, and one of the narrowest intervals.
-TextTable verdict_table(const std::vector<Row>& rows) {
-    TextTable table{{"zone and verdict", "zones", "within 15 %", "median |error|", "mean error",
-                     "worst |error|", "intervals that hold the truth"},
-                    {}};
+StudyTable verdict_table(const std::vector<Row>& rows) {
+    StudyTable table{{"zone and verdict", "zones", "within 15 %", "median |error|", "mean error",
+                      "worst |error|", "intervals that hold the truth"},
+                     {}};
     for (const std::string& zone : {zones[0], zones[1], std::string()})
-        for (const char* verdict : {"recovered", "weak", "not identifiable"}) {
+        for (const Verdict verdict :
+             {Verdict::recovered, Verdict::weak, Verdict::not_identifiable}) {
             const auto some = estimates(rows, zone, verdict);
             if (some.empty()) continue;
             table.lines.push_back(
-                error_line((zone.empty() ? "both" : zone) + ", " + verdict, some));
+                error_line((zone.empty() ? "both" : zone) + ", " + name_of(verdict), some));
         }
-    auto narrow = estimates(rows, "", "recovered");
+    auto narrow = estimates(rows, "", Verdict::recovered);
     std::erase_if(narrow, [](const Estimate& estimate) {
         return !(estimate.interval_kpa[1] < narrow_span * estimate.interval_kpa[0]);
     });
@@ -172,16 +173,16 @@ TextTable verdict_table(const std::vector<Row>& rows) {
     return table;
 }
 
-TextTable trap_table(const std::vector<Row>& rows) {
-    TextTable table{{"phantom", "zone", "true E, kPa", "verdict", "95 % interval, kPa",
-                     "holds the truth", "least singular value"},
-                    {}};
+StudyTable trap_table(const std::vector<Row>& rows) {
+    StudyTable table{{"phantom", "zone", "true E, kPa", "verdict", "95 % interval, kPa",
+                      "holds the truth", "least singular value"},
+                     {}};
     for (const Row& row : rows)
         for (const std::string& zone : zones) {
             const Estimate found = estimate_of(row, zone);
             table.lines.push_back(
                 {row.text("kind") + ", seed " + row.text("seed"), zone,
-                 significant(found.expected_kpa), found.verdict,
+                 significant(found.expected_kpa), found.verdict ? name_of(*found.verdict) : "",
                  significant(found.interval_kpa[0]) + " to " + significant(found.interval_kpa[1]),
                  row.text(zone + "_holds_truth"), row.text("least_singular_value")});
         }
@@ -213,12 +214,12 @@ StudyPicture errors_picture(const std::vector<Row>& rows) {
 
 /// Verdicts on the moduli that cannot be found: all of a trap's but that of tissue which deforms
 /// round a rigid core.
-std::vector<std::string> verdicts_on_open_moduli(const std::vector<Row>& rows) {
-    std::vector<std::string> verdicts;
+std::vector<Verdict> verdicts_on_open_moduli(const std::vector<Row>& rows) {
+    std::vector<Verdict> verdicts;
     for (const Row& row : rows)
         for (const std::string& zone : zones) {
             if (row.text("kind") == name_of(Kind::rigid_core) && zone == "peripheral") continue;
-            verdicts.push_back(row.text(zone + "_verdict"));
+            if (const auto verdict = estimate_of(row, zone).verdict) verdicts.push_back(*verdict);
         }
     return verdicts;
 }
@@ -233,10 +234,10 @@ std::string trap_captions() {
 
 StudyReport zones_report(const std::vector<Row>& rows) {
     const auto two_zones = rows_of(rows, true), trapped = rows_of(rows, false);
-    const auto all = estimates(two_zones, "", ""),
-               recovered = estimates(two_zones, "", "recovered");
+    const auto all = estimates(two_zones, ""),
+               recovered = estimates(two_zones, "", Verdict::recovered);
     const auto open = verdicts_on_open_moduli(trapped);
-    const auto num_called = [&](const char* verdict) {
+    const auto num_called = [&](Verdict verdict) {
         return std::count(open.begin(), open.end(), verdict);
     };
     const Accuracy accuracy = accuracy_of("two zones", all);
@@ -254,8 +255,9 @@ StudyReport zones_report(const std::vector<Row>& rows) {
         fmt::format("{} more were built so that some modulus cannot be found. Of {} such moduli "
                     "{} are called not identifiable and {} weak; {} intervals of these phantoms "
                     "hold the truth.",
-                    trapped.size(), open.size(), num_called("not identifiable"), num_called("weak"),
-                    holding_text(accuracy_of("", estimates(trapped, "", ""))))};
+                    trapped.size(), open.size(), num_called(Verdict::not_identifiable),
+                    num_called(Verdict::weak),
+                    holding_text(accuracy_of("", estimates(trapped, ""))))};
     report.sections = {
         {"Truth and estimate",
          verdict_table(two_zones).html("beside"),
@@ -264,8 +266,9 @@ StudyReport zones_report(const std::vector<Row>& rows) {
     report.facts = facts_of({accuracy, accuracy_of("recovered", recovered)});
     report.facts.emplace_back("recovered: within_15_percent", double(within));
     report.facts.emplace_back("open moduli", double(open.size()));
-    report.facts.emplace_back("open moduli: not_identifiable", num_called("not identifiable"));
-    report.facts.emplace_back("open moduli: weak", num_called("weak"));
+    report.facts.emplace_back("open moduli: not_identifiable",
+                              num_called(Verdict::not_identifiable));
+    report.facts.emplace_back("open moduli: weak", num_called(Verdict::weak));
     report.text = verdict_table(two_zones).plain() + "\n" + trap_table(trapped).plain();
     return report;
 }

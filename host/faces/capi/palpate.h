@@ -155,6 +155,9 @@ typedef struct palpate_recover_options {
     const palpate_solver_options* solver; /* its progress is not used; null: the defaults */
     palpate_progress progress;
     void* progress_user;
+    /* "tet4" (linear), "tet10" (quadratic tetrahedra); null: "tet4". Since palpate_abi_version()
+     * 2003. */
+    const char* element;
 } palpate_recover_options;
 PALPATE_API void palpate_recover_options_init(palpate_recover_options* options);
 
@@ -190,11 +193,32 @@ typedef struct palpate_region {
 PALPATE_API int32_t palpate_result_num_regions(const palpate_result* result);
 PALPATE_API palpate_status palpate_result_region(const palpate_result* result, int32_t index,
                                                  palpate_region* region);
+/* One figure of the result. Texts are valid as long as the result. */
+typedef struct palpate_figure {
+    size_t struct_size;
+    const char* unit;      /* "kPa"; "" if it has none */
+    double value;          /* a number, or 1 and 0 for true and false; else NaN */
+    const char* text;      /* a text; else "" */
+    double interval_95[2]; /* NaN unless it is an estimate */
+    const char* verdict;   /* as in palpate_region; "" unless it is an estimate */
+    const char* reason;    /* of the verdict */
+} palpate_figure;
+
+/* By its path in result.json, with positions from 0 or names in lists: "full_model_residual",
+ * "regions/0/stiffness_kpa", "regions/prostate/stiffness_kpa". Set struct_size before. Since
+ * palpate_abi_version() 2003. */
+PALPATE_API palpate_status palpate_result_figure(const palpate_result* result, const char* path,
+                                                 palpate_figure* figure);
+
 PALPATE_API int32_t palpate_result_num_nodes(const palpate_result* result);
 PALPATE_API int32_t palpate_result_num_elements(const palpate_result* result);
-/* Views into the result, valid as long as it: [num_nodes, 3] mm, mm and mN, [num_elements, 4], and
- * [num_elements] kPa. Displacements of nodes lead to the target as the rigid alignment laid it onto
- * the reference; `palpate_result_field` leads to where the target lies in its own image. */
+/* Of an element: 4, or 10 with the middles of the edges 01, 12, 02, 03, 13, 23 after the corners.
+ * Since palpate_abi_version() 2003. */
+PALPATE_API int32_t palpate_result_nodes_per_element(const palpate_result* result);
+/* Views into the result, valid as long as it: [num_nodes, 3] mm, mm and mN, [num_elements, nodes of
+ * an element], and [num_elements] kPa. Displacements of nodes lead to the target as the rigid
+ * alignment laid it onto the reference; `palpate_result_field` leads to where the target lies in
+ * its own image. */
 PALPATE_API const double* palpate_result_nodes(const palpate_result* result);
 PALPATE_API const double* palpate_result_displacement(const palpate_result* result);
 PALPATE_API const double* palpate_result_force(const palpate_result* result);
@@ -246,6 +270,30 @@ PALPATE_API palpate_status palpate_phantom_labels(const palpate_phantom* phantom
                                                   palpate_labels* labels);
 /* Its organs as the settings of a recovery; valid as long as the phantom. */
 PALPATE_API const char* palpate_phantom_settings(const palpate_phantom* phantom);
+
+/* ---- Applications: whatever the command line can do, by name -------------------------------- */
+
+/* What there is and what each takes, as JSON: {"applications": [{"name", "summary", "options":
+ * [{"name", "kind", "meaning", "allowed", "default", "required", "unit", ...}]}]}. Never null;
+ * valid for ever. Since palpate_abi_version() 2002, as all that follows. */
+PALPATE_API const char* palpate_applications(void);
+
+typedef struct palpate_outcome palpate_outcome;
+
+/* Runs an application.
+ *   application    its name, "springs"
+ *   settings_toml  TOML text with a key for each option that is given; "" if none is
+ *   progress       may be null
+ *   outcome        receives a handle for palpate_outcome_free
+ * PALPATE_NOT_CONVERGED comes with an outcome; so does the first failure among several cases. Other
+ * failures come with none. */
+PALPATE_API palpate_status palpate_run(const char* application, const char* settings_toml,
+                                       palpate_progress progress, void* progress_user,
+                                       palpate_outcome** outcome);
+/* The result as JSON, as the command line writes result.json; valid as long as the outcome. */
+PALPATE_API const char* palpate_outcome_json(const palpate_outcome* outcome);
+/* Null is allowed. */
+PALPATE_API palpate_status palpate_outcome_free(palpate_outcome* outcome);
 
 #ifdef __cplusplus
 }

@@ -4,15 +4,17 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
-#include "host/apps/recover/report/json_report.hpp"
+#include "host/apps/recover/report/recovery_tree.hpp"
 #include "host/apps/recover/report/result_folder.hpp"
 #include "host/faces/capi/guard.hpp"
 #include "host/faces/capi/handles.hpp"
 #include "host/faces/capi/solver_options.hpp"
 #include "host/io/grid_check.hpp"
+#include "host/page/tree_json.hpp"
 #include "solver/base/large_blocks.hpp"
 
 using namespace palpate;
@@ -24,13 +26,30 @@ using capi::require;
 /// The handle.
 struct palpate_result {
     RecoveryResult result;
+    ResultTree tree;
     std::string json;
 };
 
 namespace {
 
 // Results are given out as plain arrays.
-static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Tet) == 4 * sizeof(std::int32_t));
+static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Index) == sizeof(std::int32_t));
+
+/// Its texts are views into `figure`.
+palpate_figure c_figure(const Figure& figure, std::size_t struct_size) {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    palpate_figure full{struct_size, figure.unit.c_str(), none, "", {none, none}, "", ""};
+    if (const auto* number = std::get_if<double>(&figure.value)) full.value = *number;
+    if (const auto* count = std::get_if<std::int64_t>(&figure.value))
+        full.value = static_cast<double>(*count);
+    if (const auto* is_so = std::get_if<bool>(&figure.value)) full.value = *is_so;
+    if (const auto* words = std::get_if<std::string>(&figure.value)) full.text = words->c_str();
+    if (figure.interval_95)
+        std::copy(figure.interval_95->begin(), figure.interval_95->end(), full.interval_95);
+    if (figure.verdict) full.verdict = name_of(*figure.verdict);
+    full.reason = figure.reason.c_str();
+    return full;
+}
 
 Segmentation segmentation_of(const palpate_labels& given, const char* usual_name) {
     require(given.voxels, "the array of voxels");
@@ -60,6 +79,7 @@ RecoverOptions recover_options(const palpate_recover_options& given) {
                                 given.num_nodes));
     if (given.num_nodes > 0) options.mesher.num_nodes = given.num_nodes;
     if (given.mesh) options.mesh = given.mesh;
+    if (given.element) options.element = recovery_element_of(given.element);
     if (given.material) options.law = tissue_law_of(given.material);
     options.solver = capi::linear_solver_options(given.solver);
     return options;
@@ -79,7 +99,8 @@ palpate_status recovered(const palpate_recover_options* options, palpate_result*
         const auto [reference, target] = read(progress);
         auto made = std::make_unique<palpate_result>();
         made->result = recover(reference, target, inner, progress);
-        made->json = json_report(made->result);
+        made->tree = recovery_tree(made->result);
+        made->json = tree_json(made->tree);
         const bool converged = made->result.termination.converged;
         if (!converged) capi::last_error() = "the search did not converge";
         *result = capi::Handles<palpate_result>::all().keep(std::move(made));
@@ -151,8 +172,8 @@ palpate_status palpate_result_region(const palpate_result* result, std::int32_t 
         const palpate_region full{size,
                                   found.name.c_str(),
                                   found.label,
-                                  found.role.c_str(),
-                                  found.verdict.c_str(),
+                                  name_of(found.role),
+                                  name_of(found.verdict),
                                   found.reason.c_str(),
                                   found.stiffness_kpa,
                                   {found.interval_kpa[0], found.interval_kpa[1]},
@@ -162,19 +183,45 @@ palpate_status palpate_result_region(const palpate_result* result, std::int32_t 
     });
 }
 
+palpate_status palpate_result_figure(const palpate_result* result, const char* path,
+                                     palpate_figure* figure) {
+    return guarded([&] {
+        const auto held = hold(result, "the result");
+        require(path, "the path of the figure");
+        require(figure, "the place for the figure");
+        const std::size_t size = figure->struct_size;
+        if (size < sizeof(std::size_t) || size > 4096)
+            throw Error(ErrorCode::invalid_argument, "the figure has no struct_size");
+        const Figure* found = find_figure(held->tree, path);
+        if (!found)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("there is no figure '{}'; paths are those of result.json, as "
+                                    "\"regions/0/stiffness_kpa\"",
+                                    path));
+        const palpate_figure full = c_figure(*found, size);
+        std::memcpy(figure, &full, std::min(size, sizeof full));
+        return PALPATE_OK;
+    });
+}
+
 std::int32_t palpate_result_num_nodes(const palpate_result* result) {
     const auto body = capi::found(result);
-    return body ? body->result.mesh.mesh.num_nodes() : 0;
+    return body ? body->result.mesh.num_nodes() : 0;
 }
 
 std::int32_t palpate_result_num_elements(const palpate_result* result) {
     const auto body = capi::found(result);
-    return body ? body->result.mesh.mesh.num_tets() : 0;
+    return body ? body->result.mesh.num_elements() : 0;
+}
+
+std::int32_t palpate_result_nodes_per_element(const palpate_result* result) {
+    const auto body = capi::found(result);
+    return body ? body->result.mesh.table().num_nodes : 0;
 }
 
 const double* palpate_result_nodes(const palpate_result* result) {
     const auto body = capi::found(result);
-    return body ? body->result.mesh.mesh.nodes.front().data() : nullptr;
+    return body ? body->result.mesh.nodes.front().data() : nullptr;
 }
 
 const double* palpate_result_displacement(const palpate_result* result) {
@@ -189,12 +236,12 @@ const double* palpate_result_force(const palpate_result* result) {
 
 const std::int32_t* palpate_result_elements(const palpate_result* result) {
     const auto body = capi::found(result);
-    return body ? body->result.mesh.mesh.tets.front().data() : nullptr;
+    return body ? body->result.mesh.elements.data() : nullptr;
 }
 
 const double* palpate_result_stiffness(const palpate_result* result) {
     const auto body = capi::found(result);
-    return body ? body->result.tet_stiffness_kpa.data() : nullptr;
+    return body ? body->result.element_stiffness_kpa.data() : nullptr;
 }
 
 const double* palpate_result_field(const palpate_result* result, std::int32_t size[3]) {

@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "host/apps/recover/report/result_folder.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/output_file.hpp"
 #include "host/geometry/warping/field_files.hpp"

@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "host/apps/all.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/system/blas_kernels.hpp"
+#include "host/system/exit_codes.hpp"
 #include "host/system/memory_limit.hpp"
 #include "host/system/run_program.hpp"
 #include "host/system/version.hpp"
@@ -48,6 +50,22 @@ std::string complaint(const CLI::App& app, const std::vector<std::string>& words
            std::regex_replace(parts[2].str(), number, "") + "}";
 }
 
+/// In lines of a terminal.
+std::string exit_codes_text() {
+    constexpr std::size_t width = 90;
+    std::string text, line = "Exit codes:";
+    for (const auto& [code, meaning] : palpate::exit_codes()) {
+        const std::string entry = fmt::format(" {} {},", code, meaning);
+        if (line.size() + entry.size() > width) {
+            text += line + '\n';
+            line.clear();
+        }
+        line += line.empty() ? entry.substr(1) : entry;
+    }
+    line.back() = '.';
+    return text + line;
+}
+
 int parse_and_run(int argc, char** argv) {
     CLI::App app{
         "Computational palpation: stiffness, forces and deformation from two segmentations"};
@@ -55,19 +73,14 @@ int parse_and_run(int argc, char** argv) {
     app.set_version_flag("--version",
                          "palpate " + palpate::version_text() + "\n" + palpate::build_text());
     app.require_subcommand(1);
-    app.footer(
-        "Exit codes: 0 ok, 1 internal, 2 usage, 3 unreadable input, 4 unusable input, 5 meshing,\n"
-        "6 forward solve, 7 not converged (result written), 8 device, 9 time limit or cancelled,\n"
-        "10 output.\n"
-        "Not a medical device.");
+    app.footer(exit_codes_text() + "\nNot a medical device.");
     palpate::Run run;
-    palpate::add_recover(app, run);
-    palpate::add_phantom(app, run);
-    palpate::add_simulate(app, run);
-    palpate::add_study(app, run);
+    for (const palpate::Application& application : palpate::applications())
+        palpate::add_application(app, application, run);
     palpate::add_warp(app, run);
     palpate::add_export(app, run);
     palpate::add_devices(app, run);
+    palpate::add_describe(app, run);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

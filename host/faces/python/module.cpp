@@ -14,4 +14,5 @@ NB_MODULE(_core, m) {
     palpate_python::add_solver(m);
     palpate_python::add_recovery(m);
     palpate_python::add_phantom(m);
+    palpate_python::add_application(m);
 }

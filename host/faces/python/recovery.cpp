@@ -96,7 +96,7 @@ nb::object regions_of(const Result& result) {
 
 /// How a recovery is done: palpate_recover_options with strings of its own.
 struct RecoverChoice {
-    std::string settings, align = "auto", material = "linear", mesh, mesh_program;
+    std::string settings, align = "auto", material = "linear", element = "tet4", mesh, mesh_program;
     std::int32_t num_nodes = 0;
     SolverChoice solver;
 };
@@ -110,6 +110,7 @@ Result recovered(const RecoverChoice& choice, nb::object function, Run&& run) {
     options.settings_toml = choice.settings.c_str();
     options.align = choice.align.c_str();
     options.material = choice.material.c_str();
+    options.element = choice.element.c_str();
     if (!choice.mesh.empty()) options.mesh = choice.mesh.c_str();
     if (!choice.mesh_program.empty()) options.mesh_program = choice.mesh_program.c_str();
     options.num_nodes = choice.num_nodes;
@@ -155,7 +156,8 @@ void add_recovery(nb::module_& m) {
                      [](nb::handle self) {
                          const palpate_result* r = nb::cast<Result&>(self).get();
                          return view(self, palpate_result_elements(r),
-                                     palpate_result_num_elements(r), 4);
+                                     palpate_result_num_elements(r),
+                                     palpate_result_nodes_per_element(r));
                      })
         .def_prop_ro("element_stiffness_kpa",
                      [](nb::handle self) {
@@ -174,6 +176,7 @@ void add_recovery(nb::module_& m) {
         .def_rw("settings", &RecoverChoice::settings)
         .def_rw("align", &RecoverChoice::align)
         .def_rw("material", &RecoverChoice::material)
+        .def_rw("element", &RecoverChoice::element)
         .def_rw("mesh", &RecoverChoice::mesh)
         .def_rw("mesh_program", &RecoverChoice::mesh_program)
         .def_rw("num_nodes", &RecoverChoice::num_nodes)

@@ -13,6 +13,7 @@
 #include "host/apps/recover/report/text_report.hpp"
 #include "host/faces/slicer/progress_tags.hpp"
 #include "host/faces/slicer/recover_module.hpp"
+#include "host/faces/slicer/table_parameters.hpp"
 #include "host/io/files.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/system/blas_kernels.hpp"
@@ -27,11 +28,15 @@ std::string_view module_xml();
 
 namespace {
 
-/// The description with our version in it.
+/// The description with our version and the options of the method in it.
 std::string description_text() {
     std::string text(module_xml());
-    const std::string mark = "@VERSION@";
-    return text.replace(text.find(mark), mark.size(), version_text());
+    const auto fill = [&](const std::string& mark, const std::string& what) {
+        text.replace(text.find(mark), mark.size(), what);
+    };
+    fill("@VERSION@", version_text());
+    fill("@METHOD@", parameters_xml(method_options()));
+    return text;
 }
 
 void write_return_parameters(const ModuleArguments& arguments, const std::string& text) {

@@ -26,8 +26,8 @@ struct ModuleParameter {
     bool is_returned() const { return is_output && long_flag.empty() && !index; }
 };
 
-/// What the XML description of a module says. It is the only list of its parameters: host programs
-/// and our own command line both read it.
+/// What the XML description of a module says. Host programs and our own command line both read it;
+/// the options of the method in it are made from the table of `palpate recover`.
 struct ModuleDescription {
     std::string title, description, version;
     std::vector<ModuleParameter> parameters;

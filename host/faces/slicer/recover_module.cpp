@@ -13,10 +13,10 @@
 #include "host/apps/recover/report/html_report.hpp"
 #include "host/apps/recover/report/result_folder.hpp"
 #include "host/apps/recover/report/vtk_report.hpp"
+#include "host/apps/recover/run/recover_table.hpp"
 #include "host/io/files.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/io/volume_files.hpp"
-#include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -66,7 +66,7 @@ private:
 
 std::string sentence_about(const RegionResult& region) {
     return fmt::format("{} {:.1f} kPa ({:.1f} to {:.1f}, {})", region.name, region.stiffness_kpa,
-                       region.interval_kpa[0], region.interval_kpa[1], region.verdict);
+                       region.interval_kpa[0], region.interval_kpa[1], name_of(region.verdict));
 }
 
 }  // namespace
@@ -88,15 +88,24 @@ Settings module_settings(const ModuleArguments& arguments) {
     return parse_settings(to_toml(settings), "labels");  // which checks them
 }
 
+std::vector<Option> method_options() {
+    const std::vector<Option> table = recover_table();
+    std::vector<Option> options;
+    for (const char* name :
+         {"material", "align", "nodes", "element", "mesher", "backend", "device", "precision"})
+        options.push_back(*find_option(table, name));
+    return options;
+}
+
 RecoverOptions module_options(const ModuleArguments& arguments) {
-    RecoverOptions options;
-    options.settings = module_settings(arguments);
-    options.align = align_method_of(arguments.text("align"));
-    options.law = tissue_law_of(arguments.text("material"));
-    options.mesher.num_nodes = static_cast<Index>(arguments.number("nodes"));
-    options.solver.backend = backend_registry().front().name;
-    options.solver.device.device = arguments.text("device");
-    make_backend(options.solver.backend, options.solver.device);  // a missing one is told early
+    std::vector<Option> table = recover_table();
+    for (Option& option : table) option.is_required = false;  // files have parameters of their own
+    OptionWords words;
+    for (const Option& option : method_options())
+        if (const std::string& text = arguments.text(option.name); !text.empty())
+            words[option.name] = {text};
+    const RecoverOptions options =
+        recover_options_of(OptionValues::from_words(table, words), module_settings(arguments));
     check_module_outputs(arguments);
     return options;
 }
@@ -137,7 +146,7 @@ std::string return_parameters(const RecoveryResult& result) {
                 "stiffness = {:.6g}\nstiffnessLow = {:.6g}\nstiffnessHigh = {:.6g}\n"
                 "verdict = {}\n",
                 region.stiffness_kpa, region.interval_kpa[0], region.interval_kpa[1],
-                region.verdict);
+                name_of(region.verdict));
         summary += (summary.empty() ? "" : "; ") + sentence_about(region);
     }
     if (!result.termination.converged) summary += "; not converged";

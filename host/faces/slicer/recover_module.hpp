@@ -4,12 +4,16 @@
 
 #include "host/apps/recover/pipeline/recover.hpp"
 #include "host/faces/slicer/module_arguments.hpp"
+#include "host/io/option.hpp"
 
 namespace palpate {
 
 /// Of the settings file, or of the lists of labels. Organs of a list are called tissue-1, driven-2.
 /// Throws Error(invalid_argument): neither a file nor any label, a label in two lists.
 Settings module_settings(const ModuleArguments& arguments);
+
+/// The options of `palpate recover` that the module has, too.
+std::vector<Option> method_options();
 
 /// What is computed. Throws Error, also for outputs that could not be written.
 RecoverOptions module_options(const ModuleArguments& arguments);

@@ -210,6 +210,8 @@ void write_solid_mesh(const fs::path& path, const SolidMesh& mesh, const SolidMe
         region->InsertNextValue(mesh.region[e]);
     }
     grid->GetCellData()->AddArray(region);
+    for (const auto& [name, values] : arrays.point_scalars)
+        grid->GetPointData()->AddArray(vtk_array(name, values));
     for (const auto& [name, values] : arrays.point_vectors)
         grid->GetPointData()->AddArray(vtk_array(name, values));
     for (const auto& [name, values] : arrays.cell_scalars)

@@ -31,8 +31,9 @@ SolidMeshFile read_solid_mesh(const std::filesystem::path& path, Formulation for
 
 /// What is known of a SolidMesh in one state.
 struct SolidMeshArrays {
-    std::map<std::string, std::vector<Vec3>> point_vectors;   ///< [num_nodes]
-    std::map<std::string, std::vector<double>> cell_scalars;  ///< [num_elements]
+    std::map<std::string, std::vector<double>> point_scalars;  ///< [num_nodes]
+    std::map<std::string, std::vector<Vec3>> point_vectors;    ///< [num_nodes]
+    std::map<std::string, std::vector<double>> cell_scalars;   ///< [num_elements]
     /// [num_elements] xx, yy, zz, xy, yz, xz
     std::map<std::string, std::vector<std::array<double, 6>>> cell_tensors;
 };

@@ -6,41 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/geometry/surfaces/collapse_edges.hpp"
+
 namespace palpate {
 namespace {
 
 using Face = SurfaceComplex::Face;
 using Kind = SurfaceComplex::Kind;
 
-constexpr double degree = 3.14159265358979323846 / 180;
-const double acceptable_cosine = std::cos(25 * degree);  // of an angle in a triangle
-const double tolerable_cosine = std::cos(15 * degree);
-const double needle_cosine = std::cos(10 * degree);
 const double acceptable_wedge_cosine = std::cos(35 * degree);  // between faces at an edge
-
-struct Work {
-    SurfaceComplex& complex;
-    std::vector<double> wanted;  ///< edge length per vertex
-
-    double length(Index u, Index v) const { return (complex.points[u] - complex.points[v]).norm(); }
-    double wanted_at(Index u, Index v) const { return (wanted[u] + wanted[v]) / 2; }
-};
-
-// Whether a face keeps its side and stays (or becomes) well shaped when one corner moves.
-bool keeps_shape(const SurfaceComplex& complex, const Face& face, Index moved, const Vec3& to,
-                 double min_turn_cosine, double max_cosine = acceptable_cosine) {
-    const double old = largest_cosine(complex.points[face.v[0]], complex.points[face.v[1]],
-                                      complex.points[face.v[2]]);
-    std::array<Vec3, 3> p;
-    for (int i = 0; i < 3; ++i) p[i] = face.v[i] == moved ? to : complex.points[face.v[i]];
-    const double cosine = largest_cosine(p[0], p[1], p[2]);
-    const Vec3 before = complex.area_vector(face), after = complex.area_vector(face, moved, to);
-    // the normal of a needle says nothing; wedges between faces are looked at besides
-    const bool is_needle = old > needle_cosine && face.plane < 0;
-    if (!is_needle && !(after.dot(before) > min_turn_cosine * after.norm() * before.norm()))
-        return false;
-    return cosine <= std::max(max_cosine, old);
-}
 
 // Cosine of the sharpest angle between two faces at the edge (u, v), seen across the edge.
 double sharpest_wedge(const SurfaceComplex& complex, Index u, Index v) {
@@ -52,6 +26,8 @@ double sharpest_wedge(const SurfaceComplex& complex, Index u, Index v) {
         for (Index w : complex.faces[found[i]].v)
             if (w != u && w != v) {
                 const Vec3 reach = complex.points[w] - complex.points[u];
+                // (w - u) - t t . (w - u): the face's direction away from the edge, t along the
+                // edge
                 side[i] = (reach - along * along.dot(reach)).normalized();
             }
     double cosine = -1;
@@ -87,6 +63,7 @@ void move_guarded(SurfaceComplex& complex, Index vertex, const Vec3& to) {
     const double wedge =
         may_get_sharp ? std::max(sharpest_wedge_around(complex, vertex), acceptable_wedge_cosine)
                       : 1;
+    // x + a (to - x), a = 1, 1/2, 1/4: the first that neither turns nor sharpens a face
     for (double share : {1.0, 0.5, 0.25}) {
         const Vec3 place = from + share * (to - from);
         const auto fine = [&](Index f) {
@@ -109,10 +86,12 @@ Vec3 evened_out(const SurfaceComplex& complex, Index vertex, bool tangential) {
     if (kind != Kind::surface) {
         Vec3 middle = Vec3::Zero();
         for (int i = 0; i < along.count; ++i) middle += complex.points[along.vertices[i]];
+        // Umbrella operator along the curve: the mean of the neighbours minus the vertex.
         const Vec3 step = middle / along.count - from;
         if (!tangential || kind == Kind::corner) return from + step;
         const Vec3 line = complex.points[along.vertices[1]] - complex.points[along.vertices[0]];
         const double length = line.squaredNorm();
+        // Only the part of the step along the tangent t: x + t (t . step) / t . t
         return length > 0 ? Vec3(from + line * (step.dot(line) / length)) : from;
     }
     Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
@@ -121,6 +100,8 @@ Vec3 evened_out(const SurfaceComplex& complex, Index vertex, bool tangential) {
         const Face& face = complex.faces[f];
         const Vec3 area = complex.area_vector(face);
         const double size = area.norm();
+        // sum A_f c_f / sum A_f, c_f the middle of a face, A_f its area: even sizes (Botsch and
+        // Kobbelt 2004, A remeshing approach to multiresolution modeling).
         sum += size / 3 *
                (complex.points[face.v[0]] + complex.points[face.v[1]] + complex.points[face.v[2]]);
         weight += size;
@@ -131,6 +112,7 @@ Vec3 evened_out(const SurfaceComplex& complex, Index vertex, bool tangential) {
     Vec3 step = sum / weight - from;
     if (tangential && normal.squaredNorm() > 0) {
         normal.normalize();
+        // (1 - n n^T) step, n the area-weighted normal: along the surface, which keeps its shape
         step -= normal * normal.dot(step);
     }
     return from + step;
@@ -139,21 +121,24 @@ Vec3 evened_out(const SurfaceComplex& complex, Index vertex, bool tangential) {
 Vec3 keep_on_planes(const SurfaceComplex& complex, Index vertex, Vec3 to) {
     const unsigned fixed = complex.fixed_axes(vertex);
     for (int axis = 0; axis < 3; ++axis)
+        // What lies on planes of the box stays on them.
         if (fixed >> axis & 1u) to[axis] = complex.points[vertex][axis];
     return to;
 }
 
-void split(Work& work, Index u, Index v) {
+void split(RemeshWork& work, Index u, Index v) {
     SurfaceComplex& complex = work.complex;
     std::array<Index, 8> found;
     const int count = complex.edge_faces(u, v, found);
     const Index middle = Index(complex.points.size());
     complex.points.push_back((complex.points[u] + complex.points[v]) / 2);
+    // The middle lies on those planes that hold both ends.
     complex.planes.push_back(complex.planes[u] & complex.planes[v]);
     complex.faces_of.emplace_back();
     work.wanted.push_back(work.wanted_at(u, v));
     for (int i = 0; i < count; ++i) {
         const Index old = found[i], added = Index(complex.faces.size());
+        // (u, v, w) becomes (m, v, w) and (u, m, w), which keeps the side of the face.
         Face half = complex.faces[old];
         for (Index& w : half.v)
             if (w == u) w = middle;
@@ -168,161 +153,19 @@ void split(Work& work, Index u, Index v) {
     }
 }
 
-void split_long_edges(Work& work) {
+void split_long_edges(RemeshWork& work) {
     constexpr double longest = 4.0 / 3.0;
     std::vector<std::pair<double, std::array<Index, 2>>> edges;
     for (const auto& [u, v] : work.complex.edges()) {
         const double ratio = work.length(u, v) / work.wanted_at(u, v);
+        // Above 4/3 of the wanted length two halves come closer to it than the whole (Botsch and
+        // Kobbelt 2004); longest first.
         if (ratio > longest) edges.push_back({-ratio, {u, v}});
     }
     std::sort(edges.begin(), edges.end());
     for (const auto& [ratio, edge] : edges) {
         std::array<Index, 8> found;
         if (work.complex.edge_faces(edge[0], edge[1], found) > 0) split(work, edge[0], edge[1]);
-    }
-}
-
-Work work_on(SurfaceComplex& complex, const EdgeLengthAt& edge_length) {
-    Work work{complex, std::vector<double>(complex.points.size())};
-    for (Index v = 0; v < Index(complex.points.size()); ++v)
-        work.wanted[v] = edge_length(complex, v);
-    return work;
-}
-
-struct Collapse {
-    Index removed, kept;
-    Vec3 place;
-};
-
-// The neighbours of a vertex, sorted.
-void neighbours(const SurfaceComplex& complex, Index vertex, std::vector<Index>& around) {
-    around.clear();
-    for (Index f : complex.faces_of[vertex])
-        for (Index v : complex.faces[f].v)
-            if (v != vertex) around.push_back(v);
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-}
-
-// Link condition for faces and for feature curves.
-bool keeps_topology(const SurfaceComplex& complex, Index u, Index v) {
-    thread_local std::vector<Index> around_u, around_v, common;
-    neighbours(complex, u, around_u);
-    neighbours(complex, v, around_v);
-    common.clear();
-    std::set_intersection(around_u.begin(), around_u.end(), around_v.begin(), around_v.end(),
-                          std::back_inserter(common));
-    std::array<Index, 8> found;
-    const int count = complex.edge_faces(u, v, found);
-    if (int(common.size()) != count) return false;
-    for (Index w : common)
-        if (complex.is_feature(u, w) && complex.is_feature(v, w)) return false;
-    // no face of u may coincide with one of v afterwards
-    for (Index f : complex.faces_of[u]) {
-        const Face& face = complex.faces[f];
-        if (face.has(v)) continue;
-        const auto is_common = [&](Index w) {
-            return w == u || std::binary_search(common.begin(), common.end(), w);
-        };
-        if (std::all_of(face.v.begin(), face.v.end(), is_common)) return false;
-    }
-    return true;
-}
-
-// An edge between two vertices of one box plane must run in that plane's faces, or the surface
-// inside would touch the box.
-bool touches_box(const SurfaceComplex& complex, const Face& face, Index removed, Index kept) {
-    if (face.plane >= 0) return false;
-    for (Index w : face.v) {
-        if (w == removed || !(complex.planes[w] & complex.planes[kept])) continue;
-        std::array<Index, 8> found;
-        int count = complex.edge_faces(removed, w, found);
-        bool on_plane = false;
-        for (int i = 0; i < count; ++i) on_plane |= complex.faces[found[i]].plane >= 0;
-        count = complex.edge_faces(kept, w, found);
-        for (int i = 0; i < count; ++i) on_plane |= complex.faces[found[i]].plane >= 0;
-        if (!on_plane) return true;
-    }
-    return false;
-}
-
-bool keeps_geometry(const Work& work, const Collapse& collapse) {
-    constexpr double tiny = 0.4;
-    const SurfaceComplex& complex = work.complex;
-    const bool is_tiny = work.length(collapse.removed, collapse.kept) <
-                         tiny * work.wanted_at(collapse.removed, collapse.kept);
-    // a tiny edge does more harm than the narrow or long faces that its collapse may leave
-    const double min_turn_cosine = is_tiny ? 0.3 : 0.7, longest = is_tiny ? 1.8 : 4.0 / 3.0;
-    const double max_cosine = is_tiny ? tolerable_cosine : acceptable_cosine;
-    for (Index vertex : {collapse.removed, collapse.kept})
-        for (Index f : complex.faces_of[vertex]) {
-            const Face& face = complex.faces[f];
-            if (face.has(collapse.removed) && face.has(collapse.kept)) continue;
-            if (!keeps_shape(complex, face, vertex, collapse.place, min_turn_cosine, max_cosine))
-                return false;
-            if (vertex == collapse.removed &&
-                touches_box(complex, face, collapse.removed, collapse.kept))
-                return false;
-            for (Index w : face.v)
-                if (w != vertex && (complex.points[w] - collapse.place).norm() >
-                                       longest * work.wanted_at(w, collapse.kept))
-                    return false;
-        }
-    return true;
-}
-
-void apply(SurfaceComplex& complex, const Collapse& collapse) {
-    const auto forget = [&](Index vertex, Index face) {
-        std::erase(complex.faces_of[vertex], face);
-    };
-    complex.points[collapse.kept] = collapse.place;
-    const std::vector<Index> old = std::move(complex.faces_of[collapse.removed]);
-    complex.faces_of[collapse.removed].clear();
-    for (Index f : old) {
-        Face& face = complex.faces[f];
-        if (face.has(collapse.kept)) {
-            for (Index w : face.v)
-                if (w != collapse.removed) forget(w, f);
-            face.v[0] = -1;
-        } else {
-            std::replace(face.v.begin(), face.v.end(), collapse.removed, collapse.kept);
-            complex.faces_of[collapse.kept].push_back(f);
-        }
-    }
-}
-
-bool try_collapse(Work& work, Index u, Index v) {
-    SurfaceComplex& complex = work.complex;
-    Kind kind_u = complex.kind(u), kind_v = complex.kind(v);
-    if (kind_u > kind_v) std::swap(u, v), std::swap(kind_u, kind_v);
-    if (kind_u == Kind::corner || (kind_u == Kind::curve && !complex.is_feature(u, v)))
-        return false;
-    if (!keeps_topology(complex, u, v)) return false;
-    std::array<Collapse, 3> choices{Collapse{u, v, (complex.points[u] + complex.points[v]) / 2},
-                                    Collapse{u, v, complex.points[v]},
-                                    Collapse{v, u, complex.points[u]}};
-    const bool equals = kind_u == kind_v;
-    for (std::size_t i = equals ? 0 : 1; i < (equals ? 3u : 2u); ++i)
-        if (keeps_geometry(work, choices[i])) {
-            apply(complex, choices[i]);
-            return true;
-        }
-    return false;
-}
-
-// Collapses edges below `shortest` times the wanted length.
-void collapse_short_edges(Work& work, double shortest) {
-    std::vector<std::pair<double, std::array<Index, 2>>> edges;
-    for (const auto& [u, v] : work.complex.edges()) {
-        const double ratio = work.length(u, v) / work.wanted_at(u, v);
-        if (ratio < shortest) edges.push_back({ratio, {u, v}});
-    }
-    std::sort(edges.begin(), edges.end());
-    for (const auto& [ratio, edge] : edges) {
-        const auto [u, v] = edge;
-        std::array<Index, 8> found;
-        if (work.complex.edge_faces(u, v, found) == 0) continue;
-        if (work.length(u, v) < shortest * work.wanted_at(u, v)) try_collapse(work, u, v);
     }
 }
 
@@ -341,6 +184,7 @@ bool try_flip(SurfaceComplex& complex, Index u, Index v) {
     };
     const Index c = opposite(one), d = opposite(two);
     const auto& p = complex.points;
+    // Largest cosine = smallest angle: (u, v, c), (u, v, d) against (u, d, c), (v, c, d).
     const double before =
         std::max(largest_cosine(p[u], p[v], p[c]), largest_cosine(p[u], p[v], p[d]));
     const double after =
@@ -356,6 +200,7 @@ bool try_flip(SurfaceComplex& complex, Index u, Index v) {
     const Vec3 mean = (complex.area_vector(one) + complex.area_vector(two)).normalized();
     for (const Face* face : {&new_one, &new_two}) {
         const Vec3 area = complex.area_vector(*face);
+        // Neither new face may leave the mean plane of the old two by more than 37 degrees.
         if (!(area.dot(mean) > max_bend_cosine * area.norm())) return false;
     }
     one = new_one, two = new_two;
@@ -373,7 +218,7 @@ void flip_edges(SurfaceComplex& complex) {
 // Along the box only the box's own vertices count.
 Vec3 middle_of_neighbours(const SurfaceComplex& complex, Index vertex) {
     std::vector<Index> around;
-    neighbours(complex, vertex, around);
+    find_neighbours(complex, vertex, around);
     Vec3 sum = Vec3::Zero();
     int count = 0;
     for (Index v : around) {
@@ -382,6 +227,13 @@ Vec3 middle_of_neighbours(const SurfaceComplex& complex, Index vertex) {
         ++count;
     }
     return count > 0 ? keep_on_planes(complex, vertex, sum / count) : complex.points[vertex];
+}
+
+RemeshWork work_on(SurfaceComplex& complex, const EdgeLengthAt& edge_length) {
+    RemeshWork work{complex, std::vector<double>(complex.points.size())};
+    for (Index v = 0; v < Index(complex.points.size()); ++v)
+        work.wanted[v] = edge_length(complex, v);
+    return work;
 }
 
 }  // namespace
@@ -395,6 +247,7 @@ void relax_staircase(SurfaceComplex& complex, const Interfaces& interfaces, cons
             const LabelSet labels = complex.labels_at(v);
             if (labels.count < 2) continue;
             Vec3 to = keep_on_planes(complex, v, evened_out(complex, v, false));
+            // A damped Newton step to d = 0, d half the difference of the two labels' distances.
             to += interfaces.step_to_interface(to, labels.view(), complex.fixed_axes(v), max_step);
             complex.points[v] = to.cwiseMax(start[v] - reach_mm).cwiseMin(start[v] + reach_mm);
         }
@@ -410,6 +263,7 @@ void settle(SurfaceComplex& complex, const Interfaces& interfaces, double spread
         if (complex.faces_of[v].empty()) continue;
         Vec3 to = complex.points[v];
         if (spread > 0)
+            // Even out along the surface, then step back onto d = 0.
             to += spread * (keep_on_planes(complex, v, evened_out(complex, v, true)) - to);
         const LabelSet labels = complex.labels_at(v);
         to += interfaces.step_to_interface(to, labels.view(), complex.fixed_axes(v), max_step_mm);
@@ -421,7 +275,9 @@ void remesh(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLen
             int rounds, const ProgressSink& progress) {
     for (int round = 0; round < rounds; ++round) {
         check_cancelled(progress);
-        Work work = work_on(complex, edge_length);
+        RemeshWork work = work_on(complex, edge_length);
+        // Split above 4/3, collapse below 4/5, flip, move: as Botsch and Kobbelt 2004, on a complex
+        // of several surfaces that meet in curves.
         if (round > 0) split_long_edges(work);
         collapse_short_edges(work, 4.0 / 5.0);
         flip_edges(complex);
@@ -433,7 +289,7 @@ void remesh(SurfaceComplex& complex, const Interfaces& interfaces, const EdgeLen
 
 void polish(SurfaceComplex& complex, const Interfaces& interfaces,
             const EdgeLengthAt& edge_length) {
-    Work work = work_on(complex, edge_length);
+    RemeshWork work = work_on(complex, edge_length);
     collapse_short_edges(work, 0.5);
     flip_edges(complex);
     complex.compact();

@@ -38,6 +38,7 @@ Eigen::MatrixXd rigid_body_modes(std::span<const Vec3> nodes, std::span<const un
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         const Vec3 x = (nodes[n] - centre) / std::max(size, 1e-300);
         auto rows = modes.middleRows<3>(3 * n);
+        // [1 | omega x] with omega along each axis: K maps these to zero where nothing is held.
         rows.leftCols<3>().setIdentity();
         rows.rightCols<3>() << 0, x[2], -x[1], -x[2], 0, x[0], x[1], -x[0], 0;
         for (int c = 0; c < 3; ++c)
@@ -55,6 +56,7 @@ void invert_diagonal_of(const BlockMatrix& matrix, Index first, Index last,
         const auto end = matrix.graph.items.begin() + matrix.graph.offsets[n + 1];
         const Index k =
             static_cast<Index>(std::lower_bound(begin, end, n) - matrix.graph.items.begin());
+        // K_nn without held dofs, whose rows and columns are those of the identity.
         Block<B> block = Eigen::Map<const Block<B>>(matrix.block(k));
         for (int i = 0; i < B; ++i)
             if ((!held.empty() && held[static_cast<std::size_t>(n) * B + i]) || block(i, i) <= 0) {
@@ -63,6 +65,7 @@ void invert_diagonal_of(const BlockMatrix& matrix, Index first, Index last,
                 block(i, i) = 1;
             }
         Block<B> result = block.inverse();
+        // (A + A^T) / 2: the smoother stays symmetric in spite of rounding.
         result = (0.5 * (result + result.transpose())).eval();
         Eigen::Map<Block<B>>(inverse + static_cast<std::size_t>(n) * B * B) = result;
     }
@@ -86,12 +89,15 @@ double largest_eigenvalue(const BlockMatrix& matrix, std::span<const double> inv
                     inverse_diagonal.data() + static_cast<std::size_t>(n) * b * b, b, b)
                     .lazyProduct(in.segment(n * b, b));
     };
+    // With alpha_k, beta_k of conjugate gradients the Lanczos matrix is (Saad 2003, 6.7.3)
+    //   T_kk = 1 / alpha_k + beta_k / alpha_(k-1),   T_k,k+1 = sqrt(beta_(k+1)) / alpha_k.
     std::vector<double> diagonal, side;
     scale(r, z);
     p = z;
     double rz = r.dot(z), alpha_before = 0, beta = 0;
     for (int step = 0; step < lanczos_steps && rz > 0; ++step) {
         parallel_ranges(matrix.num_rows(), coarse_rows_per_thread, [&](Index first, Index last) {
+            // q = A p
             multiply_block_rows(matrix, first, last, p.data(), q.data());
         });
         if (!held.empty())
@@ -99,6 +105,7 @@ double largest_eigenvalue(const BlockMatrix& matrix, std::span<const double> inv
                 if (held[i]) q[i] = 0;
         const double pq = p.dot(q);
         if (!(pq > 0)) break;
+        // alpha = r.z / p.q, r -= alpha q, z = D^-1 r, beta = r.z / (r.z before), p = z + beta p
         const double alpha = rz / pq;
         diagonal.push_back(1 / alpha + (step > 0 ? beta / alpha_before : 0));
         r -= alpha * q;
@@ -146,6 +153,7 @@ void orthonormalise(Eigen::MatrixXd& q, Eigen::Matrix<double, num_modes, num_mod
             for (int i = 0; i < j; ++i) {
                 const double share = q.col(i).dot(q.col(j));
                 r(i, j) += share;
+                // r_ij = q_i . q_j, q_j -= r_ij q_i (modified Gram-Schmidt)
                 q.col(j) -= share * q.col(i);
             }
         const double left = q.col(j).norm();
@@ -170,6 +178,9 @@ std::vector<double> tentative_prolongation(const MultigridLevel& level, int b,
         const Index first = members.offsets[a], count = members.offsets[a + 1] - first;
         q.resize(static_cast<Eigen::Index>(b) * count, num_modes);
         for (Index m = 0; m < count; ++m)
+            // The modes of an aggregate are T_a = Q, with Q R = the modes at its nodes; R is what
+            // the
+            // coarse level has in their place, so that T R = modes there, too.
             q.middleRows(b * m, b) = level.modes.middleRows(b * members.items[first + m], b);
         orthonormalise(q, r);
         coarse_modes.middleRows<num_modes>(num_modes * a) = r;
@@ -261,9 +272,11 @@ BlockMatrix lay_out_coarse_matrix(const Adjacency& graph, int b, MultigridLevel&
         return std::span<const Index>(&of_node[node], of_node[node] < 0 ? 0 : 1);
     };
     const auto has_aggregate = [&](Index node) { return of_node[node] >= 0; };
+    // P = (1 - w D^-1 A) T reaches the aggregates of a node's neighbours (method.md, 11.3).
     level.prolongation = empty_matrix(union_of_lists(graph, count, has_aggregate, aggregate_of),
                                       count, b, num_modes);
     const Adjacency& p = level.prolongation.graph;
+    // A P, then the coarse P^T A P (method.md, 11.4)
     level.product = empty_matrix(
         union_of_lists(graph, count, has_aggregate, [&](Index n) { return list(p, n); }), count, b,
         num_modes);
@@ -282,6 +295,7 @@ void hold_missing_modes(BlockMatrix& matrix) {
             if (matrix.graph.items[k] != n) continue;
             double* block = matrix.block(k);
             for (int i = 0; i < num_modes; ++i)
+                // Entry (i, i) of a 6 x 6 block is number 7 i.
                 if (block[7 * i] <= 0) block[7 * i] = 1;
         }
 }
@@ -367,6 +381,7 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
                 a.col(d).setZero();
                 a(d, d) = 1;
             }
+        // The coarsest level is solved with A^-1 = L^-T L^-1, dense.
         const Eigen::LLT<Eigen::MatrixXd> factor(a);
         if (factor.info() != Eigen::Success)
             throw Error(ErrorCode::solve_failed,
@@ -376,6 +391,7 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
         coarsest_inverse_ = (0.5 * (coarsest_inverse_ + coarsest_inverse_.transpose())).eval();
         return;
     }
+    // lambda_max of D^-1 A: both w = 4/3 / lambda_max and the smoother need it.
     level.largest_eigenvalue = largest_eigenvalue(matrix, level.inverse_diagonal, held);
 
     BlockMatrix& coarse = levels_[l + 1].matrix;
@@ -383,6 +399,7 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
         wanted->blocks.resize(wanted->graph.items.size() * wanted->block_size());
     const std::vector<double> tentative = tentative_prolongation(level, b, levels_[l + 1].modes);
     in_parallel(matrix.num_rows(), [&](Index first, Index last) {
+        // P = (1 - w D^-1 A) T (method.md, 11.3)
         smooth_prolongation(matrix, first, last, level.inverse_diagonal.data(),
                             damping / level.largest_eigenvalue, level.aggregates.of_node.data(),
                             tentative.data(), level.prolongation);
@@ -393,12 +410,15 @@ void Hierarchy::compute_values(std::size_t l, const BlockMatrix& matrix) {
             for (int c = 0; c < 3; ++c)
                 if (held[3 * n + c])
                     for (Index k = p.graph.offsets[n]; k < p.graph.offsets[n + 1]; ++k)
+                        // Nothing is brought to dofs that do not move.
                         std::fill_n(level.prolongation.block(k) + num_modes * c, num_modes, 0.0);
     }
     in_parallel(matrix.num_rows(), [&](Index first, Index last) {
+        // C = A P
         multiply_prolongation(matrix, level.prolongation, first, last, level.product);
     });
     in_parallel(coarse.num_rows(), [&](Index first, Index last) {
+        // A_coarse = P^T C, one triangle of it (method.md, 11.4)
         multiply_restriction(level.prolongation, level.members, level.member_entries.data(),
                              level.product, first, last, coarse);
     });

@@ -62,6 +62,8 @@ void Multigrid::update(const Hierarchy& hierarchy) {
 std::vector<Multigrid::Step> Multigrid::smoothing_steps(double largest_eigenvalue) {
     const double upper = eigenvalue_safety * largest_eigenvalue;
     const double lower = upper / smoothed_share;
+    // theta = (b + a) / 2, delta = (b - a) / 2 on [a, b], sigma = theta / delta, rho_0 = 1 / sigma,
+    // rho_k = 1 / (2 sigma - rho_(k-1)): x += rho_k rho_(k-1) (x - x_old) + 2 rho_k / delta D^-1 r.
     const double middle = 0.5 * (upper + lower), half_width = 0.5 * (upper - lower);
     const double sigma = middle / half_width;
     double rho = 1 / sigma;
@@ -69,6 +71,7 @@ std::vector<Multigrid::Step> Multigrid::smoothing_steps(double largest_eigenvalu
     for (int degree = 2; degree <= smoothing_degree; ++degree) {
         const double rho_new = 1 / (2 * sigma - rho);
         const double keep = rho_new * rho;
+        // As y = alpha x + beta x_old + weight D^-1 r (method.md, 11.5).
         steps.push_back({1 + keep, -keep, 2 * rho_new / half_width});
         rho = rho_new;
     }
@@ -101,6 +104,7 @@ void Multigrid::apply(const DeviceVector& r, DeviceVector& z, DeviceSums& rz) {
 void Multigrid::cycle(std::size_t level, const DeviceVector& b, DeviceVector& x,
                       std::vector<Vectors>& vectors, DeviceSums* bx) {
     if (level + 1 == levels_.size()) {
+        // x = A^-1 b
         backend_.apply(*coarsest_, b, x);
         if (bx) backend_.dot(b, x, *bx);
         return;
@@ -111,6 +115,7 @@ void Multigrid::cycle(std::size_t level, const DeviceVector& b, DeviceVector& x,
     // turns, so the last iterate lies in x.
     DeviceVector* now = vectors[level].spare.get();
     DeviceVector* other = &x;
+    // From x = 0 the first step is x = weight D^-1 b.
     backend_.apply_inverse_diagonal(matrix, here.steps[0].weight, b, *now);
     for (std::size_t s = 1; s < here.steps.size(); ++s) {
         // The iterate before the first is zero.
@@ -119,12 +124,14 @@ void Multigrid::cycle(std::size_t level, const DeviceVector& b, DeviceVector& x,
         std::swap(now, other);
     }
 
+    // r = b - A x, b_coarse = P^T r, x += P x_coarse
     backend_.residual(matrix, b, *now, *other);
     Vectors& next = vectors[level + 1];
     backend_.apply(*here.restriction, *other, *next.b);
     cycle(level + 1, *next.b, *next.x, vectors, nullptr);
     backend_.apply_add(*here.prolongation, *next.x, *now);
 
+    // The steps from before the coarse level again: M stays symmetric, as conjugate gradients ask.
     for (std::size_t s = 0; s < here.steps.size(); ++s) {
         backend_.smooth(matrix, b, *now, here.steps[s].alpha, here.steps[s].beta,
                         here.steps[s].weight, *other, s + 1 == here.steps.size() ? bx : nullptr);

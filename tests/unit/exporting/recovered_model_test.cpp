@@ -61,5 +61,12 @@ TEST_F(RecoveredModelFolder, ThatIsDamagedIsRefused) {
     EXPECT_EQ(refusal(), ErrorCode::input_unreadable);
 }
 
+TEST_F(RecoveredModelFolder, OfQuadraticElementsIsRefused) {
+    write(
+        R"({"version": "1", "material": "linear", "regions": [], "mesh": {"element_type": "tet10"}})");
+
+    EXPECT_EQ(refusal(), ErrorCode::unsupported);
+}
+
 }  // namespace
 }  // namespace palpate

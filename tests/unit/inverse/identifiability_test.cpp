@@ -18,25 +18,25 @@ ModulusEvidence clear_evidence() {
     return evidence;
 }
 
-bool says(const Verdict& verdict, const char* text) {
+bool says(const Judgement& verdict, const char* text) {
     return verdict.reason.find(text) != std::string::npos;
 }
 
 TEST(Identifiability, ANarrowIntervalIsRecoveredAndAWideOneWeak) {
     ModulusEvidence evidence = clear_evidence();
-    EXPECT_EQ(judge(evidence).verdict, "recovered");
+    EXPECT_EQ(judge(evidence).verdict, Verdict::recovered);
 
     evidence.interval_kpa = {50, 120};
-    EXPECT_EQ(judge(evidence).verdict, "weak");
+    EXPECT_EQ(judge(evidence).verdict, Verdict::weak);
 }
 
 TEST(Identifiability, AnOrganThatStandsStillIsNotIdentifiableHoweverSteepItsPosterior) {
     ModulusEvidence evidence = clear_evidence();
     evidence.seen_sd_ln = 1.19;
 
-    const Verdict verdict = judge(evidence);
+    const Judgement verdict = judge(evidence);
 
-    EXPECT_EQ(verdict.verdict, "not identifiable");
+    EXPECT_EQ(verdict.verdict, Verdict::not_identifiable);
     EXPECT_TRUE(says(verdict, "1.19 against 1.20")) << verdict.reason;
 }
 
@@ -45,14 +45,14 @@ TEST(Identifiability, ARigidOrganHasALowerBoundOnly) {
     evidence.interval_kpa = {1350, 2500};
     evidence.excludes_stiff = false;
 
-    const Verdict verdict = judge(evidence);
+    const Judgement verdict = judge(evidence);
 
-    EXPECT_EQ(verdict.verdict, "weak");
+    EXPECT_EQ(verdict.verdict, Verdict::weak);
     EXPECT_TRUE(says(verdict, "only a lower bound is known, 1.35e+03 kPa") ||
                 says(verdict, "only a lower bound is known, 1350 kPa"))
         << verdict.reason;
     evidence.excludes_soft = false;
-    EXPECT_EQ(judge(evidence).verdict, "not identifiable");
+    EXPECT_EQ(judge(evidence).verdict, Verdict::not_identifiable);
 }
 
 TEST(Identifiability, ModuliThatTradeAreNamed) {
@@ -68,17 +68,17 @@ TEST(Identifiability, ModuliThatTradeAreNamed) {
 
 TEST(Identifiability, ARatioIsJudgedByHowMuchTheImagesNarrowWhatWasAllowed) {
     RatioEvidence evidence{0.40, {0.06, 0.06}, RatioLimit::none, {0.25, 0.49}};
-    EXPECT_EQ(judge_ratio(evidence).verdict, "recovered");
+    EXPECT_EQ(judge_ratio(evidence).verdict, Verdict::recovered);
     EXPECT_TRUE(says(judge_ratio(evidence), "44 %"));
     evidence.reach = {0.08, 0.08};
-    EXPECT_EQ(judge_ratio(evidence).verdict, "weak");
+    EXPECT_EQ(judge_ratio(evidence).verdict, Verdict::weak);
     evidence.reach = {0.2, 0.2};
-    EXPECT_EQ(judge_ratio(evidence).verdict, "not identifiable");
+    EXPECT_EQ(judge_ratio(evidence).verdict, Verdict::not_identifiable);
     EXPECT_EQ(evidence.interval(), (std::array<double, 2>{0.25, 0.49}));
 
     // At a limit what lies beyond may fit better still.
     const RatioEvidence at_limit{0.49, {0.06, 0.06}, RatioLimit::highest, {0.25, 0.49}};
-    EXPECT_EQ(judge_ratio(at_limit).verdict, "weak");
+    EXPECT_EQ(judge_ratio(at_limit).verdict, Verdict::weak);
     EXPECT_TRUE(says(judge_ratio(at_limit), "an end of what was allowed"));
 }
 

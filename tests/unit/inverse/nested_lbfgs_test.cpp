@@ -13,6 +13,8 @@
 #include "host/geometry/surfaces/distance_map.hpp"
 #include "solver/base/error.hpp"
 #include "solver/linear/direct.hpp"
+#include "solver/model/quadratic_mesh.hpp"
+#include "solver/model/tet4_model.hpp"
 #include "tests/fixtures/meshes.hpp"
 
 namespace palpate {
@@ -112,10 +114,11 @@ RecoveryModel ball_in_a_box(double ball_kpa) {
     recovery.observed = fixtures::interface_nodes(mesh);
     recovery.surfaces = {ball_surface(mesh), top_surface(mesh)};
     recovery.unknown = {ball_region};
-    recovery.model = fixtures::free_model(
+    Model model = fixtures::free_model(
         std::move(mesh), {{1, 0.35}, {reference_kpa, 0.35}, {ball_kpa, 0.4}, {1, 0.35}});
-    fixtures::prescribe(recovery.model, recovery.fixed);
-    fixtures::prescribe(recovery.model, recovery.driven);
+    fixtures::prescribe(model, recovery.fixed);
+    fixtures::prescribe(model, recovery.driven);
+    recovery.model = solid_model_of(model);
     return recovery;
 }
 
@@ -127,7 +130,7 @@ std::vector<Vec3> deformed_nodes(const RecoveryModel& recovery, double depth_mm)
         moved(3 * node + 2, 0) = -depth_mm * std::sin(M_PI * x.x()) * std::sin(M_PI * x.y());
     }
     Columns u;
-    make_direct_solver(recovery.model, {})->solve(moved, u);
+    make_direct_solver(tet4_model_of(recovery.model), {})->solve(moved, u);
     std::vector<Vec3> nodes = recovery.model.mesh.nodes;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         nodes[n] += u.col(0).segment<3>(3 * static_cast<Index>(n));
@@ -156,7 +159,7 @@ std::vector<std::shared_ptr<const TargetShape>> shapes_of(const Mesh& mesh,
 
 SurfaceObservations observations_of(const RecoveryModel& recovery,
                                     const std::vector<Vec3>& target_nodes, double voxel_mm = 1.0) {
-    const Mesh& mesh = recovery.model.mesh;
+    const Mesh mesh = linear_mesh_of(recovery.model.mesh);
     return SurfaceObservations(
         recovery, {shapes_of(mesh, mesh.nodes, voxel_mm), shapes_of(mesh, target_nodes, voxel_mm)},
         std::vector<std::uint8_t>(mesh.nodes.size(), 1), {});

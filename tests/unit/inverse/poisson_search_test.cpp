@@ -28,9 +28,8 @@ RatioEvaluation paraboloid(const Eigen::VectorXd& best, const Eigen::MatrixXd& c
 
 TEST(PoissonSearch, FindsTheBestRatioItsIntervalAndWhatItDoesToTheModulus) {
     const Eigen::MatrixXd variance = Eigen::MatrixXd::Constant(1, 1, 0.02 * 0.02);
-    const RatioPosterior found =
-        search_ratios(paraboloid(Eigen::VectorXd::Constant(1, 0.37), variance, 0.1),
-                      Eigen::VectorXd::Constant(1, 0.40), {});
+    const RatioEvaluation evaluate = paraboloid(Eigen::VectorXd::Constant(1, 0.37), variance, 0.1);
+    const RatioPosterior found = search_ratios(evaluate, Eigen::VectorXd::Constant(1, 0.40), {});
 
     EXPECT_NEAR(found.best.ratios[0], 0.37, 0.008);
     EXPECT_NEAR(std::sqrt(found.covariance(0, 0)), 0.02, 0.002);
@@ -38,7 +37,9 @@ TEST(PoissonSearch, FindsTheBestRatioItsIntervalAndWhatItDoesToTheModulus) {
     EXPECT_NEAR(found.reach[0][1], 1.96 * 0.02, 0.005);
     EXPECT_EQ(found.at_limit[0], RatioLimit::none);
     EXPECT_TRUE(found.converged);
-    EXPECT_NEAR(found.theta_slope(0, 0), 2.0, 1e-6);
+    const RatioScan scan = scan_ratios(evaluate, found, {}).at(0);
+    ASSERT_EQ(scan.ratio.size(), 5u);
+    EXPECT_NEAR(scan.theta(0, 4) - scan.theta(0, 0), 2.0 * (scan.ratio[4] - scan.ratio[0]), 1e-9);
     EXPECT_LT(found.evaluations, 20);
 }
 

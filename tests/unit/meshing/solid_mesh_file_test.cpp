@@ -58,7 +58,11 @@ TEST_F(SolidMeshFiles, EveryElementTypeIsReadAsItWasWritten) {
             mesh.elements.push_back(a);
         }
         mesh.region = {4};
-        write_solid_mesh(folder / "mesh.vtu", mesh, {{{"displacement", mesh.nodes}}, {}, {}});
+        write_solid_mesh(folder / "mesh.vtu", mesh,
+                         {.point_scalars = {},
+                          .point_vectors = {{"displacement", mesh.nodes}},
+                          .cell_scalars = {},
+                          .cell_tensors = {}});
 
         const SolidMeshFile read = read_solid_mesh(folder / "mesh.vtu", mesh.formulation, "region");
 

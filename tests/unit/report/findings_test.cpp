@@ -33,7 +33,7 @@ TEST(Findings, SayStiffnessIntervalRatioAndVerdict) {
 
 TEST(Findings, GiveNoNumberForWhatCannotBeTold) {
     RecoveryResult result = synthetic_result();
-    result.regions[1].verdict = "not identifiable";
+    result.regions[1].verdict = Verdict::not_identifiable;
     result.regions[1].reason = "Its whole surface carries unknown forces";
 
     const std::string text = finding_sentence(result, result.regions[1]);

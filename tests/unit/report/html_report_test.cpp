@@ -64,13 +64,14 @@ TEST(HtmlReport, FetchesNothing) {
 TEST(HtmlReport, EscapesEveryTextFromOutside) {
     RecoveryResult result = synthetic_result();
     const std::string evil = "</script><b class=\"evil\">&";
-    for (RegionResult& r : result.regions) r.name = r.verdict = r.reason = r.role = evil;
-    for (SurfaceResult& s : result.surfaces) s.name = s.role = evil;
+    for (RegionResult& r : result.regions) r.name = r.reason = evil;
+    for (SurfaceResult& s : result.surfaces) s.name = evil;
     for (OrganSettings& o : result.settings.organs) o.name = evil;
     result.version = result.termination.reason = result.alignment.method = evil;
     result.device.backend = result.device.device = result.device.platform = evil;
     for (auto& [stage, solver] : result.linear_solvers)
         stage = solver.library = solver.reason = solver.device.device = evil;
+    result.element_loops.emplace().reason = evil;
     result.mesher.mesher = result.mesher.fallback = result.seed_note = evil;
     result.reference_name = result.target_name = evil;
     result.warnings = {evil};
@@ -84,6 +85,16 @@ TEST(HtmlReport, EscapesEveryTextFromOutside) {
     EXPECT_TRUE(holds(page, "Not converged"));
 }
 
+TEST(HtmlReport, TellsWhereElementLoopsRan) {
+    RecoveryResult result = synthetic_result();
+    EXPECT_FALSE(holds(html_report(result), "Element loops"));
+
+    result.element_loops.emplace().device.device = "host";
+    result.element_loops->reason = "a small mesh";
+    EXPECT_TRUE(
+        holds(html_report(result), "<dt>Element loops</dt><dd>on host (a small mesh)</dd>"));
+}
+
 TEST(HtmlReport, ShowsHowMuchEachCombinationOfModuliIsNarrowed) {
     const std::string page = html_report(synthetic_result());
 
@@ -95,8 +106,8 @@ TEST(HtmlReport, ShowsHowMuchEachCombinationOfModuliIsNarrowed) {
 TEST(HtmlReport, ShowsPoissonRatiosThatWereSearched) {
     RecoveryResult result = synthetic_result();
     result.regions[0].poisson_ratio = 0.33;
-    result.regions[0].ratio = RatioResult{{0.3, 0.36}, "recovered", "narrow & <nice>"};
-    result.regions[1].ratio = RatioResult{{0.25, 0.49}, "not identifiable", "wide"};
+    result.regions[0].ratio = RatioResult{{0.3, 0.36}, Verdict::recovered, "narrow & <nice>"};
+    result.regions[1].ratio = RatioResult{{0.25, 0.49}, Verdict::not_identifiable, "wide"};
 
     const std::string page = html_report(result);
 

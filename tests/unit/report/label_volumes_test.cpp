@@ -14,7 +14,7 @@ namespace {
 RecoveryResult one_voxel(const Mat3& direction) {
     RecoveryResult r;
     r.regions.push_back(
-        {2, "dot", 7, "tissue", false, true, 0.4, 50, {40, 60}, 0.1, "recovered", ""});
+        {2, "dot", 7, Role::tissue, false, true, 0.4, 50, {40, 60}, 0.1, Verdict::recovered, ""});
     r.reference_labels.grid.size = {30, 31, 32};
     r.reference_labels.grid.spacing = Vec3(1, 2, 4);
     r.reference_labels.grid.direction = direction;

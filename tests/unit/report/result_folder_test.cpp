@@ -74,10 +74,10 @@ TEST_F(ResultFolder, MeshFileHoldsFileLabelsAndFields) {
     MeshArrays arrays;
     const Mesh mesh = read_vtu(folder / "out" / "mesh.vtu", "region", &arrays);
 
-    ASSERT_EQ(mesh.num_nodes(), result.mesh.mesh.num_nodes());
+    ASSERT_EQ(mesh.num_nodes(), result.mesh.num_nodes());
     EXPECT_EQ(std::set<Index>(mesh.region.begin(), mesh.region.end()),
               (std::set<Index>{1, 2, 3, 4, 6}));
-    EXPECT_EQ(arrays.cell_scalars.at("stiffness_kpa"), result.tet_stiffness_kpa);
+    EXPECT_EQ(arrays.cell_scalars.at("stiffness_kpa"), result.element_stiffness_kpa);
     EXPECT_LT((arrays.point_vectors.at("displacement")[70] - result.displacement[70]).norm(), 1e-6);
     EXPECT_LT((arrays.point_vectors.at("force")[3000] - result.force[3000]).norm(), 1e-6);
 }

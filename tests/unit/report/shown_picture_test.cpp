@@ -77,8 +77,18 @@ struct BrightDot {
     Image<float> image;
 
     BrightDot() {
-        result.regions.push_back(
-            {2, "dot", 7, "tissue", false, true, 0.4, 50, {40, 60}, 0.1, "recovered", ""});
+        result.regions.push_back({2,
+                                  "dot",
+                                  7,
+                                  Role::tissue,
+                                  false,
+                                  true,
+                                  0.4,
+                                  50,
+                                  {40, 60},
+                                  0.1,
+                                  Verdict::recovered,
+                                  ""});
         ImageGrid grid;
         grid.size = {9, 10, 11};
         grid.spacing = Vec3(1, 2, 4);

@@ -13,7 +13,7 @@ namespace {
 struct Organ {
     Index region, label;
     const char* name;
-    const char* role;
+    Role role;
     Vec3 centre, radii;
     double bumps;
 
@@ -27,11 +27,11 @@ struct Organ {
 
 const std::vector<Organ>& organs() {
     static const std::vector<Organ> list{
-        {2, 1, "prostate, transition zone", "tissue", {0, 0, 0}, {20, 14, 17}, 0.03},
-        {3, 2, "prostate, peripheral zone", "tissue", {0, 5, -3}, {25, 17, 19}, 0.02},
-        {4, 3, "bladder", "driven", {1, -8, 40}, {36, 28, 24}, 0.04},
-        {5, 4, "rectum", "driven", {3, 38, 5}, {15, 14, 42}, 0.06},
-        {6, 6, "pubic bone", "fixed", {0, -42, -4}, {32, 9, 12}, 0.08}};
+        {2, 1, "prostate, transition zone", Role::tissue, {0, 0, 0}, {20, 14, 17}, 0.03},
+        {3, 2, "prostate, peripheral zone", Role::tissue, {0, 5, -3}, {25, 17, 19}, 0.02},
+        {4, 3, "bladder", Role::driven, {1, -8, 40}, {36, 28, 24}, 0.04},
+        {5, 4, "rectum", Role::driven, {3, 38, 5}, {15, 14, 42}, 0.06},
+        {6, 6, "pubic bone", Role::fixed, {0, -42, -4}, {32, 9, 12}, 0.08}};
     return list;
 }
 
@@ -82,20 +82,18 @@ std::vector<Vec3> normals_of(const Surface& s) {
 
 /// Fills the organ with tets between its triangles and a node in its middle.
 void add_tets(const Organ& organ, const SurfaceResult& s, RecoveryResult& result) {
-    Mesh& mesh = result.mesh.mesh;
+    SolidMesh& mesh = result.mesh;
     const Index middle = mesh.num_nodes();
     mesh.nodes.push_back(organ.centre);
     result.displacement.push_back(Vec3::Zero());
     result.force.push_back(Vec3::Zero());
     for (const Triangle& t : s.reference.triangles) {
         const Tet tet{middle, s.node_of[t[0]], s.node_of[t[1]], s.node_of[t[2]]};
-        mesh.tets.push_back(tet);
-        if (tet_volume(mesh, mesh.num_tets() - 1) < 1e-3) {  // at the poles
-            mesh.tets.pop_back();
-            continue;
-        }
+        const auto at = [&](int k) { return mesh.nodes[tet[k]]; };
+        if (tet_volume(at(0), at(1), at(2), at(3)) < 1e-3) continue;  // at the poles
+        mesh.elements.insert(mesh.elements.end(), tet.begin(), tet.end());
         mesh.region.push_back(organ.region);
-        result.tet_stiffness_kpa.push_back(10.0 * organ.region);
+        result.element_stiffness_kpa.push_back(10.0 * organ.region);
     }
 }
 
@@ -107,17 +105,17 @@ SurfaceResult surface_result(const Organ& organ, RecoveryResult& result) {
     s.cut_by_image = s.name == "rectum";
     s.reference = surface_of(organ);
     const std::vector<Vec3> normals = normals_of(s.reference);
-    const bool moves = s.role != "fixed";
+    const bool moves = s.role != Role::fixed;
     for (std::size_t v = 0; v < s.reference.vertices.size(); ++v) {
         const Vec3 x = s.reference.vertices[v];
         const Vec3 u = moves ? true_displacement(x) : Vec3(0, 0, 0);
         s.target.vertices.push_back(x + u);
-        s.node_of.push_back(result.mesh.mesh.num_nodes());
+        s.node_of.push_back(result.mesh.num_nodes());
         s.distance_before_mm.push_back(-u.dot(normals[v]));
         s.distance_after_mm.push_back(moves ? misfit_mm(x) : 0);
-        result.mesh.mesh.nodes.push_back(x);
+        result.mesh.nodes.push_back(x);
         result.displacement.push_back(u + (moves ? misfit_mm(x) : 0) * normals[v]);
-        result.force.push_back(s.role == "driven" ? Vec3(3 * u) : Vec3(0, 0, 0));
+        result.force.push_back(s.role == Role::driven ? Vec3(3 * u) : Vec3(0, 0, 0));
         s.resultant_force_mn += result.force.back();
     }
     add_tets(organ, s, result);
@@ -176,42 +174,45 @@ void add_regions(RecoveryResult& r) {
     r.regions.push_back({1,
                          "background",
                          0,
-                         "background",
+                         Role::background,
                          false,
                          false,
                          0.35,
                          10,
                          {10, 10},
                          0,
-                         "given",
+                         Verdict::given,
                          "reference tissue"});
     r.regions.push_back({2,
                          organs()[0].name,
                          1,
-                         "tissue",
+                         Role::tissue,
                          false,
                          true,
                          0.4,
                          83.24,
                          {61.4, 112.8},
                          0.155,
-                         "recovered",
+                         Verdict::recovered,
                          "the interval is narrower than a factor of 2"});
     r.regions.push_back({3,
                          organs()[1].name,
                          2,
-                         "tissue",
+                         Role::tissue,
                          false,
                          true,
                          0.4,
                          41.7,
                          {18.2, 95.6},
                          0.423,
-                         "weak",
+                         Verdict::weak,
                          "the interval is wider than a factor of 2"});
-    r.regions.push_back({4, "bladder", 3, "driven", true, false, 0, 0, {0, 0}, 0, "hollow", ""});
-    r.regions.push_back({5, "rectum", 4, "driven", true, false, 0, 0, {0, 0}, 0, "hollow", ""});
-    r.regions.push_back({6, "pubic bone", 6, "fixed", true, false, 0, 0, {0, 0}, 0, "hollow", ""});
+    r.regions.push_back(
+        {4, "bladder", 3, Role::driven, true, false, 0, 0, {0, 0}, 0, Verdict::hollow, ""});
+    r.regions.push_back(
+        {5, "rectum", 4, Role::driven, true, false, 0, 0, {0, 0}, 0, Verdict::hollow, ""});
+    r.regions.push_back(
+        {6, "pubic bone", 6, Role::fixed, true, false, 0, 0, {0, 0}, 0, Verdict::hollow, ""});
     r.correlation = {{1, -0.42}, {-0.42, 1}};
     r.sensitivity = {{7.6, {0.97, -0.24}}, {2.4, {0.24, 0.97}}};
 }
@@ -261,13 +262,8 @@ void add_search(RecoveryResult& r) {
 void add_settings(RecoveryResult& r) {
     r.settings.background = BackgroundSettings{};
     for (const Organ& organ : organs()) {
-        const std::string role = organ.role;
-        const bool tissue = role == "tissue";
-        r.settings.organs.push_back({organ.name, organ.label,
-                                     tissue             ? Role::tissue
-                                     : role == "driven" ? Role::driven
-                                                        : Role::fixed,
-                                     !tissue, std::nullopt, 0.4});
+        r.settings.organs.push_back(
+            {organ.name, organ.label, organ.role, organ.role != Role::tissue, std::nullopt, 0.4});
     }
     r.settings_toml = "# the text of the file, which may name SECRETPATIENT\n";
 }
@@ -298,7 +294,7 @@ RecoveryResult synthetic_result() {
     r.inverse_displacement_field.grid = grid();
     for (std::size_t v = 0; v < grid().num_voxels(); ++v)
         r.inverse_displacement_field.voxels.push_back(Vec3(-1, -2, -3));
-    r.held.assign(r.mesh.mesh.nodes.size(), Held::free);
+    r.held.assign(r.mesh.nodes.size(), Held::free);
     r.held[5] = Held::driven;
     return r;
 }

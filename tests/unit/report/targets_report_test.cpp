@@ -47,7 +47,7 @@ TEST(TargetsTable, ListsEveryUnknownRegionAndWhatWentWrong) {
 
     const std::string text = targets_table(rows);
 
-    EXPECT_NE(text.find(rows[0].unknown[0].verdict), std::string::npos) << text;
+    EXPECT_NE(text.find(name_of(rows[0].unknown[0].verdict)), std::string::npos) << text;
     EXPECT_NE(text.find("2.5\n"), std::string::npos) << text;
     EXPECT_NE(text.find("two: "), std::string::npos) << text;
     EXPECT_NE(text.find("failed"), std::string::npos) << text;
@@ -58,7 +58,7 @@ TEST(TargetsTable, ListsEveryUnknownRegionAndWhatWentWrong) {
 TEST(TargetsTable, ListsPoissonRatiosThatWereSearched) {
     RecoveryResult result = synthetic_result();
     result.regions[1].poisson_ratio = 0.42;
-    result.regions[1].ratio = RatioResult{{0.38, 0.46}, "recovered", "narrow"};
+    result.regions[1].ratio = RatioResult{{0.38, 0.46}, Verdict::recovered, "narrow"};
     const std::vector<TargetRow> rows{target_row("one", result, 2.5), failed_row("two", "no")};
 
     const std::string table = targets_table(rows);

@@ -40,7 +40,7 @@ TEST(TextReport, ListsPoissonRatiosThatWereSearched) {
     EXPECT_EQ(text_report(result).find("Poisson"), std::string::npos);
 
     result.regions[1].poisson_ratio = 0.42;
-    result.regions[1].ratio = RatioResult{{0.38, 0.46}, "recovered", "narrow"};
+    result.regions[1].ratio = RatioResult{{0.38, 0.46}, Verdict::recovered, "narrow"};
 
     const auto lines = lines_of(text_report(result));
     EXPECT_EQ(lines[9], "Region                     Poisson's ratio  95 % interval  Verdict");
@@ -49,8 +49,18 @@ TEST(TextReport, ListsPoissonRatiosThatWereSearched) {
 
 TEST(TextReport, CountsCharactersNotBytesAndHidesControlCharacters) {
     RecoveryResult r;
-    r.regions.push_back(
-        {2, "H\xc3\xb6hle\x1b[2J", 1, "tissue", false, false, 0.4, 5, {5, 5}, 0, "given", ""});
+    r.regions.push_back({2,
+                         "H\xc3\xb6hle\x1b[2J",
+                         1,
+                         Role::tissue,
+                         false,
+                         false,
+                         0.4,
+                         5,
+                         {5, 5},
+                         0,
+                         Verdict::given,
+                         ""});
     const auto lines = lines_of(text_report(r));
 
     EXPECT_EQ(lines[2], "H\xc3\xb6hle?[2J      1  tissue           5.00              -  given");
@@ -66,6 +76,18 @@ TEST(TextReport, EndsWithWarningsAndHowTheSearchEnded) {
               "jacobi on pthread-cpu (asked for)");
     EXPECT_EQ(lines[lines.size() - 3], "Warning: rectum is cut by the field of view at both ends");
     EXPECT_EQ(lines.back().substr(0, 43), "The search converged after 9 iterations in ");
+}
+
+TEST(TextReport, TellsTheContoursErrorAndWhereElementLoopsRan) {
+    RecoveryResult r = synthetic_result();
+    r.contours.emplace();
+    r.contours->sd_mm = 0.25;
+    r.element_loops.emplace().device.device = "host";
+    r.element_loops->reason = "a small mesh";
+    const std::string text = text_report(r);
+
+    EXPECT_NE(text.find("0.25 mm off"), std::string::npos);
+    EXPECT_NE(text.find("\nElement loops: on host (a small mesh)\n"), std::string::npos);
 }
 
 TEST(ConvergenceCsv, HasOneLinePerIterationAndQuotesNames) {

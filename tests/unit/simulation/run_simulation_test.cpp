@@ -5,8 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "host/apps/simulate/simulation_findings.hpp"
-#include "host/apps/simulate/simulation_json.hpp"
 #include "host/apps/simulate/simulation_page.hpp"
+#include "host/apps/simulate/simulation_tree.hpp"
+#include "host/page/tree_json.hpp"
 #include "tests/unit/simulation/model_text.hpp"
 
 namespace palpate {
@@ -77,7 +78,7 @@ TEST(RunSimulation, ALoadBeyondReachIsReportedWithWhatWasReached) {
     EXPECT_GT(result.states.back().time_s, 0.2);
     EXPECT_NE(convergence_sentence(result).find("NOT converge"), std::string::npos);
     EXPECT_NE(simulation_page(result).find("Not converged."), std::string::npos);
-    EXPECT_NE(simulation_json(result).find("\"converged\": false"), std::string::npos);
+    EXPECT_NE(tree_json(simulation_tree(result)).find("\"converged\": false"), std::string::npos);
 }
 
 TEST(RunSimulation, TextsFromTheFileAreEscapedOnThePage) {

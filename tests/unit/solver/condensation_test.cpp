@@ -9,6 +9,7 @@
 
 #include "solver/base/error.hpp"
 #include "solver/linear/make_linear_solver.hpp"
+#include "solver/model/tet4_model.hpp"
 #include "tests/fixtures/backends.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/linear_solvers.hpp"
@@ -86,8 +87,8 @@ TEST_P(Condense, GivesTheAnswerOfTheFullModelAtRandomModuli) {
     const Eigen::VectorXd driven = random_values(3 * scene.driven.size(), 3);
     const double tolerance = GetParam() == "reference" ? direct_tolerance : device_tolerance;
 
-    const auto regions =
-        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on(GetParam()));
+    const auto regions = condense(solid_model_of(scene.model), scene.observed, scene.driven,
+                                  fixtures::solver_on(GetParam()));
 
     ASSERT_EQ(regions.size(), 2u);
     std::mt19937 random(5);
@@ -107,7 +108,8 @@ TEST_P(Condense, ReportsEveryColumnAndTheWorstResidual) {
     CondensationSummary summary;
     double last_fraction = 0;
 
-    condense(scene.model, scene.observed, scene.driven, fixtures::solver_on(GetParam()), &summary,
+    condense(solid_model_of(scene.model), scene.observed, scene.driven,
+             fixtures::solver_on(GetParam()), &summary,
              [&](const Progress& p) { last_fraction = p.fraction; });
 
     EXPECT_EQ(summary.columns, 2 * 3 * static_cast<Index>(scene.observed.size()));
@@ -127,7 +129,8 @@ TEST(CondenseReference, IsTheElementMatrixWhereThereIsNoInterior) {
     mesh.region = {0};
     const Model model = free_model(mesh, {{30.0, 0.25}});
 
-    const auto regions = condense(model, {2, 0}, {1, 3}, fixtures::solver_on("reference"));
+    const auto regions =
+        condense(solid_model_of(model), {2, 0}, {1, 3}, fixtures::solver_on("reference"));
 
     ASSERT_EQ(regions.size(), 1u);
     const Eigen::MatrixXd& s = regions[0].observed_observed;
@@ -156,8 +159,8 @@ TEST(CondenseReference, LeavesOutRegionsWithoutObservedNodes) {
             !scene.model.prescribed[3 * n])
             scene.driven.push_back(n);
 
-    const auto regions =
-        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+    const auto regions = condense(solid_model_of(scene.model), scene.observed, scene.driven,
+                                  fixtures::solver_on("reference"));
 
     ASSERT_EQ(regions.size(), 2u);
     EXPECT_EQ(regions[0].region, 0);
@@ -175,7 +178,8 @@ TEST(CondenseReference, RefusesAFloatingPart) {
     scene.model.prescribed.resize(3 * mesh.nodes.size(), 0);
 
     const auto code = code_of([&] {
-        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+        condense(solid_model_of(scene.model), scene.observed, scene.driven,
+                 fixtures::solver_on("reference"));
     });
 
     EXPECT_EQ(code, ErrorCode::solve_failed);
@@ -186,7 +190,8 @@ TEST(CondenseReference, RefusesARegionBorderThatIsNotObserved) {
     scene.observed.pop_back();
 
     const auto code = code_of([&] {
-        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+        condense(solid_model_of(scene.model), scene.observed, scene.driven,
+                 fixtures::solver_on("reference"));
     });
 
     EXPECT_EQ(code, ErrorCode::invalid_argument);
@@ -197,7 +202,8 @@ TEST(CondenseReference, RefusesANodeThatIsObservedAndDriven) {
     scene.driven.push_back(scene.observed.front());
 
     const auto code = code_of([&] {
-        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+        condense(solid_model_of(scene.model), scene.observed, scene.driven,
+                 fixtures::solver_on("reference"));
     });
 
     EXPECT_EQ(code, ErrorCode::invalid_argument);

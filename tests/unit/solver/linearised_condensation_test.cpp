@@ -8,6 +8,7 @@
 #include "solver/base/error.hpp"
 #include "solver/condense/condensation.hpp"
 #include "solver/equilibrium/newton.hpp"
+#include "solver/model/tet4_model.hpp"
 #include "tests/fixtures/columns.hpp"
 #include "tests/fixtures/linear_solvers.hpp"
 #include "tests/fixtures/meshes.hpp"
@@ -36,16 +37,14 @@ struct Scene {
         return u;
     }
     Equilibrium equilibrium(const Eigen::VectorXd& moved) const {
-        SolidModel solid{solid_mesh_of(model.mesh), {}, model.prescribed};
-        for (const LinearElastic& m : model.materials)
-            solid.materials.push_back({law, {m.stiffness_kpa, m.poisson_ratio}});
         SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
                          Eigen::VectorXd::Zero(model.num_dofs())};
         for (std::size_t k = 0; k < driven.size(); ++k)
             loads.displacement.segment<3>(3 * driven[k]) = moved.segment<3>(3 * k);
         EquilibriumOptions tight;
         tight.relative_tolerance = 1e-12;
-        Equilibrium found = solve_equilibrium(SolidAssembly(solid), loads, tight);
+        Equilibrium found =
+            solve_equilibrium(SolidAssembly(solid_model_of(model, law)), loads, tight);
         found.tangent.reset();
         EXPECT_TRUE(found.converged) << found.message;
         return found;
@@ -57,7 +56,8 @@ struct Scene {
         return part;
     }
     std::vector<CondensedRegion> condensed_at(const Eigen::VectorXd& u) const {
-        return condense_at({law, u}, model, observed, driven, fixtures::solver_on("reference"));
+        return condense_at(u, solid_model_of(model, law), observed, driven,
+                           fixtures::solver_on("reference"));
     }
 };
 
@@ -91,8 +91,8 @@ TEST(CondenseAt, IsLinearElasticityAtRest) {
 
     const auto rest = scene.condensed_at(Eigen::VectorXd::Zero(scene.model.num_dofs()));
 
-    const auto linear =
-        condense(scene.model, scene.observed, scene.driven, fixtures::solver_on("reference"));
+    const auto linear = condense(solid_model_of(scene.model), scene.observed, scene.driven,
+                                 fixtures::solver_on("reference"));
     ASSERT_EQ(rest.size(), linear.size());
     for (std::size_t r = 0; r < rest.size(); ++r) {
         const auto& expected = linear[r].observed_observed;
@@ -106,10 +106,7 @@ TEST(CondenseAt, IsLinearElasticityAtRest) {
 TEST(CondenseAt, SumsToTheTangentOfTheWholeBody) {
     const Scene scene;
     const Equilibrium state = scene.equilibrium(scene.walls);
-    SolidModel solid{solid_mesh_of(scene.model.mesh), {}, scene.model.prescribed};
-    for (const LinearElastic& m : scene.model.materials)
-        solid.materials.push_back({law, {m.stiffness_kpa, m.poisson_ratio}});
-    const SolidAssembly assembly(solid);
+    const SolidAssembly assembly(solid_model_of(scene.model, law));
     TangentSolve tangent(assembly, {});
     ASSERT_TRUE(tangent.factorise(state.displacement));
     Eigen::VectorXd moved = Eigen::VectorXd::Zero(scene.model.num_dofs());
@@ -159,8 +156,8 @@ TEST(CondenseAt, LeavesNothingUnbalancedAtTheModuliOfTheEquilibrium) {
     const Scene scene;
     const Equilibrium state = scene.equilibrium(scene.walls);
     const auto regions = scene.condensed_at(state.displacement);
-    const auto forces =
-        region_forces({law, state.displacement}, scene.model, scene.observed, scene.driven);
+    const auto forces = region_forces(state.displacement, solid_model_of(scene.model, law),
+                                      scene.observed, scene.driven);
 
     const Sums sums(scene, regions);
 

@@ -134,6 +134,26 @@ TEST(SolidMesh, EdgeNodesAreSharedAndInTheMiddle) {
     EXPECT_THROW(with_edge_nodes(mesh), Error);
 }
 
+TEST(SolidMesh, LinearPiecesOfTet10FillItOnItsOwnNodes) {
+    const SolidMesh coarse = solid_mesh_of(fixtures::box_mesh({2, 1, 1}, Vec3(2, 3, 4)));
+    const SolidMesh mesh = with_edge_nodes(coarse);
+
+    const Mesh pieces = linear_mesh_of(mesh), corners = corner_mesh_of(mesh);
+
+    EXPECT_EQ(pieces.nodes, mesh.nodes);
+    ASSERT_EQ(pieces.num_tets(), 8 * mesh.num_elements());
+    ASSERT_EQ(corners.num_tets(), mesh.num_elements());
+    double volume = 0;
+    for (Index t = 0; t < pieces.num_tets(); ++t) {
+        EXPECT_EQ(pieces.region[t], mesh.region[t / 8]);
+        EXPECT_NEAR(tet_volume(pieces, t), tet_volume(corners, t / 8) / 8, 1e-12);
+        volume += tet_volume(pieces, t);
+    }
+    EXPECT_NEAR(volume, 24, 1e-9);
+    EXPECT_EQ(linear_mesh_of(coarse).num_tets(), coarse.num_elements());
+    EXPECT_THROW(linear_mesh_of(rectangle(ElementType::quad4, Formulation::plane_strain)), Error);
+}
+
 std::string complaint(const SolidMesh& mesh) {
     try {
         check_mesh(mesh);

@@ -8,9 +8,9 @@ namespace palpate {
 namespace {
 
 TEST(Accuracy, SummarisesErrorsAndIntervals) {
-    const std::vector<Estimate> estimates{{100, 110, {90, 130}, "recovered"},
-                                          {100, 80, {70, 90}, "recovered"},
-                                          {100, 101, {0, 0}, ""}};
+    const std::vector<Estimate> estimates{{100, 110, {90, 130}, Verdict::recovered},
+                                          {100, 80, {70, 90}, Verdict::recovered},
+                                          {100, 101, {0, 0}}};
 
     const Accuracy accuracy = accuracy_of("all", estimates);
 

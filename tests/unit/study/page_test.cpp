@@ -18,7 +18,8 @@ Row row_of(const std::string& name, double truth, double found, bool holds) {
     row.set("low_kpa", holds ? 0.8 * truth : 1.1 * truth, 1);
     row.set("high_kpa", 1.3 * truth, 1);
     row.set_flag("holds_truth", holds);
-    row.set("verdict", std::string("recovered <b>"));
+    row.set("verdict", std::string("recovered"));
+    row.set("reason", std::string("narrow <b>"));
     return row;
 }
 
@@ -26,7 +27,7 @@ Study study_of_two() {
     return {"two",
             "Two <cases>",
             {{"nodes", "6000"}},
-            {"true_kpa", "found_kpa", "holds_truth", "verdict"},
+            {"true_kpa", "found_kpa", "holds_truth", "verdict", "reason"},
             {},
             {}};
 }
@@ -45,7 +46,7 @@ TEST(StudyPage, ShowsEveryCaseEscapedAndMarksTheOnesThatMiss) {
 
     EXPECT_NE(page.find("<h1>It works</h1>"), std::string::npos);
     EXPECT_NE(page.find("<tr class='missed'><td class='num'>100.0</td>"), std::string::npos);
-    EXPECT_NE(page.find("recovered &lt;b&gt;"), std::string::npos);
+    EXPECT_NE(page.find("narrow &lt;b&gt;"), std::string::npos);
     EXPECT_NE(page.find("2 of 3 cases are done"), std::string::npos);
     EXPECT_NE(page.find("no mesh &amp; no hope"), std::string::npos);
     EXPECT_EQ(page.find("nan"), std::string::npos);
@@ -59,8 +60,8 @@ TEST(StudyPage, OfNothingIsStillAPage) {
     EXPECT_NE(page.find("</html>"), std::string::npos);
 }
 
-TEST(TextTable, AlignsColumnsByCharactersNotBytes) {
-    const TextTable table{{"name", "value"}, {{"a", "–"}, {"long name", "12"}}};
+TEST(StudyTable, AlignsColumnsByCharactersNotBytes) {
+    const StudyTable table{{"name", "value"}, {{"a", "–"}, {"long name", "12"}}};
 
     EXPECT_EQ(table.plain(), "name        value\na               –\nlong name      12\n");
 }

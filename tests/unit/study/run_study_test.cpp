@@ -64,6 +64,46 @@ TEST_F(RunStudy, WritesOneRowForEachCase) {
     EXPECT_EQ(names_in(options.folder), "study.csv study.json");
 }
 
+TEST_F(RunStudy, WhatTheSinkThrowsEndsTheStudyAndKeepsItsRows) {
+    const StudyRun run = run_study(counting_study(), options, [this](const Progress&) {
+        if (num_run == 2) throw Error(ErrorCode::time_limit, "too long");
+    });
+
+    EXPECT_EQ(run.rows.size(), 2u);
+    EXPECT_TRUE(run.failures.empty());
+    EXPECT_TRUE(run.is_cancelled);
+    ASSERT_TRUE(run.stopped_by);
+    EXPECT_THROW(std::rethrow_exception(run.stopped_by), Error);
+}
+
+TEST_F(RunStudy, ALimitOfOneCaseIsAFailureOfThatCase) {
+    Study study = counting_study();
+    study.cases[1].run = [](const ProgressSink&) -> Row {
+        throw Error(ErrorCode::time_limit, "the mesher took too long");
+    };
+
+    const StudyRun run = run_study(study, options);
+
+    EXPECT_EQ(run.rows.size(), 2u);
+    ASSERT_EQ(run.failures.size(), 1u);
+    EXPECT_EQ(run.failures[0].first, "b");
+    EXPECT_FALSE(run.stopped_by);
+}
+
+TEST_F(RunStudy, AnEmptyReportOfACaseAsksWhetherToGoOn) {
+    Study study = counting_study();
+    study.cases[0].run = [](const ProgressSink& progress) -> Row {
+        for (;;) check_cancelled(progress);
+    };
+    int empty = 0;
+
+    const StudyRun run = run_study(study, options, [&](const Progress& step) {
+        if (step.stage.empty() && ++empty == 3) throw Error(ErrorCode::cancelled, "enough");
+    });
+
+    EXPECT_TRUE(run.stopped_by && run.rows.empty() && run.failures.empty());
+}
+
 TEST_F(RunStudy, SkipsRowsThatAreThereAndTakesUpNewCases) {
     Study study = counting_study();
     study.cases.pop_back();

@@ -21,41 +21,44 @@ std::string trade_text(const ModulusEvidence& evidence) {
         evidence.partner, evidence.partner_correlation);
 }
 
-Verdict judge_unseen(const ModulusEvidence& evidence) {
+Judgement judge_unseen(const ModulusEvidence& evidence) {
     const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
-    return {"not identifiable",
+    return {Verdict::not_identifiable,
             fmt::format("the images hardly narrow what was assumed beforehand (ln E {:.2f} "
                         "against {:.2f} before): the organ does not deform enough relative to "
                         "its surroundings{}",
                         left, evidence.prior_sd_ln, trade_text(evidence))};
 }
 
-Verdict judge_one_sided(const ModulusEvidence& evidence) {
+Judgement judge_one_sided(const ModulusEvidence& evidence) {
     if (!evidence.excludes_stiff && !evidence.excludes_soft) return judge_unseen(evidence);
     if (!evidence.excludes_stiff) {
-        return {"weak",
+        return {Verdict::weak,
                 fmt::format("only a lower bound is known, {:.3g} kPa: anything stiffer moves "
                             "almost as a rigid body, and no image can tell how stiff; the upper "
                             "end comes from what was assumed beforehand{}",
                             evidence.interval_kpa[0], trade_text(evidence))};
     }
-    return {"weak", fmt::format("only an upper bound is known, {:.3g} kPa: anything softer fits "
-                                "as well; the lower end comes from what was assumed beforehand{}",
-                                evidence.interval_kpa[1], trade_text(evidence))};
+    return {Verdict::weak,
+            fmt::format("only an upper bound is known, {:.3g} kPa: anything softer fits "
+                        "as well; the lower end comes from what was assumed beforehand{}",
+                        evidence.interval_kpa[1], trade_text(evidence))};
 }
 
 }  // namespace
 
-Verdict judge(const ModulusEvidence& evidence) {
+Judgement judge(const ModulusEvidence& evidence) {
     const double span = evidence.interval_kpa[1] / evidence.interval_kpa[0];
     const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
     if (left > evidence.prior_sd_ln * 2.0 / 3.0) return judge_unseen(evidence);
     if (!evidence.excludes_stiff || !evidence.excludes_soft) return judge_one_sided(evidence);
     const std::string trade = trade_text(evidence);
     if (span > 2.0) {
-        return {"weak", fmt::format("the 95 % interval spans a factor of {:.1f}{}", span, trade)};
+        return {Verdict::weak,
+                fmt::format("the 95 % interval spans a factor of {:.1f}{}", span, trade)};
     }
-    return {"recovered", fmt::format("the 95 % interval spans a factor of {:.2f}{}", span, trade)};
+    return {Verdict::recovered,
+            fmt::format("the 95 % interval spans a factor of {:.2f}{}", span, trade)};
 }
 
 std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
@@ -69,7 +72,7 @@ std::array<double, 2> RatioEvidence::interval() const {
     return {std::max(allowed[0], best - reach[0]), std::min(allowed[1], best + reach[1])};
 }
 
-Verdict judge_ratio(const RatioEvidence& evidence) {
+Judgement judge_ratio(const RatioEvidence& evidence) {
     const auto [down, up] = evidence.reach;
     const double width = evidence.at_limit == RatioLimit::lowest    ? 2 * up
                          : evidence.at_limit == RatioLimit::highest ? 2 * down
@@ -80,29 +83,29 @@ Verdict judge_ratio(const RatioEvidence& evidence) {
         "the images leave {:.0f} % of the spread that was assumed beforehand, {:.3g} to "
         "{:.3g}",
         100 * std::min(share, 1.0), evidence.allowed[0], evidence.allowed[1]);
-    if (share > 2.0 / 3.0) return {"not identifiable", text};
+    if (share > 2.0 / 3.0) return {Verdict::not_identifiable, text};
     if (evidence.at_limit != RatioLimit::none) {
-        return {"weak", text + "; the best ratio is an end of what was allowed"};
+        return {Verdict::weak, text + "; the best ratio is an end of what was allowed"};
     }
-    return {share <= 0.5 ? "recovered" : "weak", text};
+    return {share <= 0.5 ? Verdict::recovered : Verdict::weak, text};
 }
 
-Verdict judge_unobserved(bool surface_is_driven) {
+Judgement judge_unobserved(bool surface_is_driven) {
     if (surface_is_driven) {
-        return {"not identifiable",
+        return {Verdict::not_identifiable,
                 "unknown forces act on the organ's whole surface, so any modulus fits; the prior "
                 "median is shown"};
     }
-    return {"not identifiable",
+    return {Verdict::not_identifiable,
             "no free surface of the organ was seen in both images; the prior median is shown"};
 }
 
-Verdict not_judged(const std::string& method) {
-    return {"not judged", fmt::format("the 95 % interval is not computed by {}", method)};
+Judgement not_judged(const std::string& method) {
+    return {Verdict::not_judged, fmt::format("the 95 % interval is not computed by {}", method)};
 }
 
-Verdict judge_without_reference() {
-    return {"not identifiable",
+Judgement judge_without_reference() {
+    return {Verdict::not_identifiable,
             "no tissue has a known modulus: with no measured force only ratios can be found; give "
             "one tissue or the background a stiffness_kpa"};
 }

@@ -6,13 +6,14 @@
 #include <string>
 
 #include "host/apps/recover/inverse/poisson_search.hpp"
+#include "host/estimate/verdict.hpp"
 
 namespace palpate {
 
 /// What the data say about one unknown modulus.
-struct Verdict {
-    std::string verdict;  ///< "recovered", "weak", "not identifiable", "not judged"
-    std::string reason;   ///< one sentence
+struct Judgement {
+    Verdict verdict = Verdict::not_judged;
+    std::string reason;  ///< one sentence
 };
 
 /// What is known of one modulus after a search.
@@ -27,8 +28,8 @@ struct ModulusEvidence {
 
 /// A modulus is *recovered* if its 95 % interval spans at most a factor of 2 and the images bound
 /// it on both sides, *weak* if not, *not identifiable* if the data, or the motion that they show,
-/// narrow the prior by less than a third (method.md section 3).
-Verdict judge(const ModulusEvidence& evidence);
+/// narrow the prior by less than a third (method.md section 5).
+Judgement judge(const ModulusEvidence& evidence);
 
 /// The prior's 95 % interval of a modulus with this median, widened to hold `interval_kpa`: all
 /// that is known of a modulus that is not identifiable.
@@ -48,15 +49,15 @@ struct RatioEvidence {
 /// A Poisson's ratio is *recovered* if its 95 % interval, the limits notwithstanding, is at most
 /// half as wide as that of a ratio equally likely in the whole allowed range, *not identifiable* if
 /// it is wider than two thirds, *weak* between, and at best weak at a limit.
-Verdict judge_ratio(const RatioEvidence& evidence);
+Judgement judge_ratio(const RatioEvidence& evidence);
 
 /// For a region that no observed surface touches: its modulus has no influence on the data.
-Verdict judge_unobserved(bool surface_is_driven);
+Judgement judge_unobserved(bool surface_is_driven);
 
 /// For a model whose every modulus is unknown: only ratios of moduli can be found.
-Verdict judge_without_reference();
+Judgement judge_without_reference();
 
 /// For a search that computes no interval.
-Verdict not_judged(const std::string& method);
+Judgement not_judged(const std::string& method);
 
 }  // namespace palpate

@@ -34,11 +34,11 @@ public:
         const Index n = static_cast<Index>(rows_.size());
         Eigen::MatrixXd half = Eigen::MatrixXd::Zero(n, n);
         for (Index j = 0; j < n; ++j) {
-            half(j, j) = share_of_reference + nugget;
+            // K_ij / 2, K of places on one surface (method.md, 2.2); others have nothing in common.
+            half(j, j) = share_of_reference * contour_correlation(rows_[j], rows_[j]) + nugget;
             for (Index i = j + 1; i < n; ++i) {
                 if (rows_[i].surface != rows_[j].surface) continue;
-                half(i, j) = share_of_reference *
-                             contour_correlation((rows_[i].place - rows_[j].place).norm());
+                half(i, j) = share_of_reference * contour_correlation(rows_[i], rows_[j]);
             }
         }
         return cholesky(half, "correlation of the reference's contours").matrixL();
@@ -55,12 +55,13 @@ Eigen::MatrixXd own_noise(const std::vector<LinearRow>& rows) {
     Eigen::MatrixXd noise(n, n);
     for (Index j = 0; j < n; ++j) {
         const LinearRow& row = rows[j];
-        noise(j, j) = noise_variance(row) - share_of_reference * row.contour_mm * row.contour_mm;
+        // B = R - 1/2 D K D, D the contour deviation of each row
+        noise(j, j) = noise_variance(row) - share_of_reference * contour_variance(row);
         for (Index i = j + 1; i < n; ++i) {
             noise(i, j) = noise_covariance(rows[i], row);
             if (rows[i].surface != row.surface) continue;
             noise(i, j) -= share_of_reference * rows[i].contour_mm * row.contour_mm *
-                           contour_correlation((rows[i].place - row.place).norm());
+                           contour_correlation(rows[i], row);
         }
     }
     return noise;
@@ -113,6 +114,7 @@ JointProblem::JointProblem(const std::vector<std::shared_ptr<const LinearisedPro
         Eigen::MatrixXd modes = seen.along_modes, common(seen.rows.size(), root.cols());
         Eigen::VectorXd wanted = seen.target;
         for (std::size_t i = 0; i < seen.rows.size(); ++i)
+            // U = D L, so that U U^T = 1/2 D K D
             common.row(i) = seen.rows[i].contour_mm * root.row(at[a][i]);
         target.information.setZero(modes.cols(), modes.cols());
         target.pull.setZero(modes.cols());
@@ -120,6 +122,7 @@ JointProblem::JointProblem(const std::vector<std::shared_ptr<const LinearisedPro
         target.common_target.setZero(root.cols());
         if (!seen.rows.empty()) {  // BLAS takes no empty matrices
             const auto factor = cholesky(own_noise(seen.rows), "covariance of a target's noise");
+            // B = L L^T: L^-1 G V, L^-1 U and L^-1 y, whose products are those with B^-1.
             for (Eigen::MatrixXd* rows : {&modes, &common}) factor.matrixL().solveInPlace(*rows);
             factor.matrixL().solveInPlace(wanted);
             noise_log_determinant_ += 2.0 * factor.matrixLLT().diagonal().array().log().sum();
@@ -156,6 +159,7 @@ JointProblem::Response JointProblem::respond(const Eigen::VectorXd& theta) const
         Eigen::MatrixXd inner = own.free.transpose() * own.informed;
         inner.diagonal().array() += 1.0;
         own.inner = cholesky(inner, "covariance of a target's observed surface");
+        // w = M^-1 (G V X)^T B^-1 e, e = y + G V s, all in modes; ln det C_a = ln det B + ln det M
         const Eigen::VectorXd pull_of_error = target.pull + target.information * mean;
         const Eigen::VectorXd seen_error = -(own.free.transpose() * pull_of_error);
         own.motion = own.inner.solve(seen_error);
@@ -165,10 +169,12 @@ JointProblem::Response JointProblem::respond(const Eigen::VectorXd& theta) const
         pull += target.common_target + target.common_modes * mean + own.common * own.motion;
         Eigen::MatrixXd known = own.common.transpose();
         own.inner.matrixL().solveInPlace(known);
+        // U^T C_a^-1 U = U^T B^-1 U - (U^T B^-1 G V X) M^-1 (..)^T, summed over targets into T
         common -= known.transpose() * known;
         response.targets.push_back(std::move(own));
     }
     response.common = cholesky(common, "covariance of the reference's contours");
+    // z = T^-1 g; e^T C^-1 e = sum - g^T z, ln det C = sum + ln det T (method.md, 6.2 and 6.3)
     response.contours = response.common.solve(pull);
     response.misfit -= pull.dot(response.contours);
     response.log_determinant += 2.0 * response.common.matrixLLT().diagonal().array().log().sum();
@@ -177,6 +183,7 @@ JointProblem::Response JointProblem::respond(const Eigen::VectorXd& theta) const
 
 double JointProblem::value(const Eigen::VectorXd& theta) const {
     const Response response = respond(theta);
+    // F = 1/2 e^T C^-1 e + 1/2 ln det C + prior (method.md, 6.1)
     return prior_energy(unknowns(), theta) + 0.5 * (response.misfit + response.log_determinant);
 }
 
@@ -194,6 +201,7 @@ JointProblem::Evaluation JointProblem::evaluate(const Eigen::VectorXd& theta,
     result.objective = values[0];
     result.gradient = Eigen::VectorXd::Zero(n);
     for (Index k = 0; with_gradient && k < n; ++k)
+        // (F(theta + h) - F(theta - h)) / 2 h
         result.gradient[k] = (values[1 + 2 * k] - values[2 + 2 * k]) / (2.0 * step);
     return result;
 }
@@ -229,6 +237,7 @@ Eigen::MatrixXd JointProblem::hessian(const Eigen::VectorXd& theta) const {
     for (Index a = 0; a < n; ++a)
         for (Index b = 0; b <= a; ++b)
             hessian(a, b) = hessian(b, a) =
+                // (a + b)^T H (a + b) = H_aa + 2 H_ab + H_bb
                 a == b ? along(a, a) : 0.5 * (along(a, b) - along(a, a) - along(b, b));
     return hessian;
 }
@@ -259,6 +268,7 @@ Eigen::MatrixXd JointProblem::seen_information(const Eigen::VectorXd& theta) con
         const Eigen::MatrixXd change = target.problem->change_of_shape(theta, motion);
         const Eigen::MatrixXd unseen = own.informed.transpose() * change;
         const Eigen::MatrixXd free = own.inner.solve(unseen);
+        // D^T C^-1 D (method.md, 5.2) = sum D_a^T C_a^-1 D_a - (sum U_a^T C_a^-1 D_a)^T T^-1 (..)
         information += change.transpose() * target.information * change - unseen.transpose() * free;
         common += target.common_modes * change - own.common * free;
     }

@@ -4,8 +4,8 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "host/apps/recover/inverse/contour_kernel.hpp"
 #include "host/apps/recover/objectives/target_frame.hpp"
 #include "host/apps/recover/objectives/voxel_terraces.hpp"
 #include "solver/base/types.hpp"
@@ -22,6 +22,8 @@ struct LinearRow {
     double independent_mm = 1;  ///< standard deviation of the independent part
     Terraces terraces;          ///< the part that is correlated along the terraces of voxels
     double contour_mm = 0;      ///< standard deviation of the part that whoever drew it adds
+    double slice_share = 0;     ///< of its variance: as drawn slice by slice
+    SlicePlaces slices;
     Index surface = 0;          ///< rows of different surfaces have independent noise
     Vec3 place = Vec3::Zero();  ///< of the node, reference, mm
     std::array<double, max_terraces> range_mm{};  ///< the correlation of each wave falls to 1/e
@@ -38,23 +40,19 @@ struct FramePrior {
     Index size() const { return covariance.isZero(0) ? 0 : 6; }
 };
 
-/// Length (mm) of the correlation of what whoever drew a contour adds.
-constexpr double contour_length_mm = 7.0;
-
-/// Matern 3/2: (1 + q) exp(-q), q = sqrt(3) d / l. Rough, because a smooth one would claim that no
-/// error is left at short lengths and make much of tenths of a millimetre there.
-inline double contour_correlation(double distance_mm) {
-    const double q = std::numbers::sqrt3 * distance_mm / contour_length_mm;
-    return (1.0 + q) * std::exp(-q);
+/// Correlation of what contours of one surface are off by at two of its rows, relative to
+/// `contour_mm`: (1 - share) k(d) + share slice_correlation.
+inline double contour_correlation(const LinearRow& a, const LinearRow& b) {
+    const double distance = (a.place - b.place).norm(), share = a.slice_share;
+    const double smooth = contour_correlation(distance);
+    if (share == 0) return smooth;
+    return (1.0 - share) * smooth + share * slice_correlation(a.slices, b.slices, distance);
 }
 
-/// Covariance (mm^2) between the noise of two different rows: that of contours, and of terraces,
-/// exponential in their distance.
-inline double noise_covariance(const LinearRow& a, const LinearRow& b) {
-    if (a.surface != b.surface) return 0;
-    const double distance = (a.place - b.place).norm();
-    double sum = a.contour_mm * b.contour_mm * contour_correlation(distance);
-    double range = 0, decay = 0;
+/// Covariance (mm^2) that terraces of voxels give two rows of one surface, exponential in their
+/// distance.
+inline double terrace_covariance(const LinearRow& a, const LinearRow& b, double distance) {
+    double sum = 0, range = 0, decay = 0;
     for (int k = 0; k < max_terraces; ++k) {
         const double wave = a.terraces.waves.col(k).dot(b.terraces.waves.col(k));
         if (wave == 0) continue;
@@ -67,9 +65,21 @@ inline double noise_covariance(const LinearRow& a, const LinearRow& b) {
     return sum;
 }
 
+/// Covariance (mm^2) between the noise of two different rows: that of contours, and of terraces.
+inline double noise_covariance(const LinearRow& a, const LinearRow& b) {
+    if (a.surface != b.surface) return 0;
+    return a.contour_mm * b.contour_mm * contour_correlation(a, b) +
+           terrace_covariance(a, b, (a.place - b.place).norm());
+}
+
+/// What contours add (mm^2).
+inline double contour_variance(const LinearRow& row) {
+    return row.contour_mm * row.contour_mm * contour_correlation(row, row);
+}
+
 /// Of the parts (mm^2) that a row shares with its neighbours.
 inline double correlated_variance(const LinearRow& row) {
-    return row.terraces.variance() + row.contour_mm * row.contour_mm;
+    return row.terraces.variance() + contour_variance(row);
 }
 
 inline double noise_variance(const LinearRow& row) {

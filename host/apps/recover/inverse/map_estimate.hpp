@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/apps/recover/inverse/map_options.hpp"
 #include "host/apps/recover/inverse/marginal.hpp"
 #include "host/apps/recover/inverse/records.hpp"
 #include "host/apps/recover/inverse/surface_noise.hpp"
@@ -16,31 +17,6 @@
 #include "solver/base/log.hpp"
 
 namespace palpate {
-
-/// No contours of two images that are further off together (mm) are looked for.
-constexpr double most_contour_mm = 1.5;
-
-struct MapOptions {
-    int max_iterations = 40;
-    // Converged: three steps in a row of which none would change ln E by more than the first times
-    // its posterior standard deviation, or the objective (a log posterior) by more than the second
-    // times the number of surface points.
-    double modulus_tolerance_sd = 0.1;
-    double objective_tolerance_per_row = 1e-3;
-    double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
-    /// If above 1: every modulus stays within this factor of where the search starts.
-    double reach = 0;
-    double start_kpa = 0;        ///< of all unknown moduli; 0: the prior's median
-    bool estimate_noise = true;  ///< find what is not given of the noise from the observed surface
-    /// Standard deviation (mm) of the error of both images' contours together, which neighbouring
-    /// points share. Empty: found. Given, the scale of sigma_n is found instead.
-    std::optional<double> contour_mm;
-    /// What is expected of the walls' motion is fitted to their own distances (fit_walls).
-    bool fit_walls = true;
-    double smallest_noise_scale = 1;  ///< lower for surfaces without voxels
-    /// The size of the noise and the terraces are held from here on, so that the steps can settle.
-    int noise_iterations = 6;
-};
 
 struct MapEstimate {
     Eigen::VectorXd driven;                           ///< [3 num_driven] mm
@@ -69,7 +45,7 @@ struct MapEstimate {
     Termination termination;
 };
 
-/// The most probable moduli and wall motion (method.md section 3): Gauss-Newton on the surface
+/// The most probable moduli and wall motion (method.md section 4): Gauss-Newton on the surface
 /// distances; at each linearisation the moduli minimise the marginal objective F exactly
 /// (LinearisedProblem), found by a coarse scan, then Newton; a line search on the nonlinear
 /// objective guards every step. Not converging is not an error: see `termination`.

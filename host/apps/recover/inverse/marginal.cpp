@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/apps/recover/inverse/slice_share.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
 
@@ -64,6 +65,8 @@ LinearisedProblem::LinearisedProblem(const ResponseModel& model, const WallPrior
         if (coupling_.back().size() == 0) {
             coupling_.back().setZero(model.num_modes(), motions.cols());
         }
+        // T_r c + g_r: what does not balance at the last state moves with the mean (method.md,
+        // 10.2).
         coupling_.back().col(rank()) += region.force;
     }
 }
@@ -98,6 +101,7 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
             row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
         const FrameMotion turned = frame_.frame.row(row.place, row.normal);
         observed_.along_modes.row(j).tail(frame_.size()) = turned.head(frame_.size());
+        // y_j = n . u_o + (the frame's part) - r_j: the row's value at which its distance is zero
         observed_.target[j] = row.normal.dot(change.segment<3>(3 * row.position)) +
                               turned.dot(frame_.motion) - row.residual_mm;
         for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, observed_.rows[i]);
@@ -106,6 +110,7 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
     }
     Eigen::MatrixXd seen_modes = observed_.along_modes;
     Eigen::VectorXd target = observed_.target;
+    // tr D R, y^T D y and V^T G^T D G V: what `fit` compares with its own model (method.md, 4.4)
     noise_trace_ = weights.dot(noise.diagonal());
     target_squares_ = weights.dot(target.cwiseAbs2());
     squares_.setZero(num_modes, num_modes);
@@ -116,6 +121,7 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
         squares_.triangularView<Eigen::StrictlyUpper>() = squares_.transpose();
         target_along_modes_ = seen_modes.transpose() * weights.cwiseProduct(target);
     }
+    // R = L L^T: L^-1 G V and L^-1 y turn R^-1 into plain products.
     const auto noise_factor = cholesky(noise, "covariance of the noise");
     noise_factor.matrixL().solveInPlace(seen_modes);
     noise_factor.matrixL().solveInPlace(target);
@@ -136,6 +142,7 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
     Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(model_.num_modes(), rank() + 1);
     for (std::size_t r = 0; r < coupling_.size(); ++r) {
         if (coupling_[r].size() == 0) continue;
+        // X = S(E)^-1 T(E) P and s = S^-1 T N m in one solve, S and T = sum E_r (S_r, T_r)
         forces += response.kpa[model_.regions()[r].region] * coupling_[r];
     }
     response.equilibrium.solve_in_place(forces);
@@ -143,12 +150,14 @@ LinearisedProblem::Response LinearisedProblem::respond(const Eigen::VectorXd& th
     response.shapes << forces, frame_shapes_;
     response.informed = information_ * response.shapes;
     Eigen::MatrixXd inner(rank(), rank());
+    // M = 1 + B^T B = 1 + X^T I X
     inner.triangularView<Eigen::Lower>() =
         response.shapes.leftCols(rank()).transpose() * response.informed.leftCols(rank());
     inner.diagonal().array() += 1.0;
     response.inner = cholesky(inner, "covariance of the observed surface");
 
     const auto mean_shape = response.shapes.col(rank());
+    // V^T G^T R^-1 e with e = y + G V s, then w = M^-1 B^T e and e^T C^-1 e = e^T e - w^T B^T e
     const Eigen::VectorXd pull_of_error = pull_of_target_ + response.informed.col(rank());
     const Eigen::VectorXd seen_error =  // B^T e
         -(response.shapes.leftCols(rank()).transpose() * pull_of_error);
@@ -171,6 +180,7 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
     result.gradient = Eigen::VectorXd::Zero(num_unknown());
     result.objective = prior_energy(unknowns_, theta);
     for (Index k = 0; k < num_unknown(); ++k)
+        // d/dtheta of (theta - mean)^2 / (2 sd^2)
         result.gradient[k] = (theta[k] - unknowns_[k].mean) / std::pow(unknowns_[k].sd, 2);
     if (num_observed_rows() == 0) return result;
     if (!is_stable(theta)) {
@@ -178,6 +188,7 @@ LinearisedProblem::Evaluation LinearisedProblem::evaluate(const Eigen::VectorXd&
         return result;
     }
     const Response response = respond(theta);
+    // F = 1/2 e^T C^-1 e + 1/2 ln det C + prior, det C = det R det M (method.md, 4.1)
     result.log_determinant =
         noise_log_determinant_ + 2.0 * response.inner.matrixLLT().diagonal().array().log().sum();
     result.objective += 0.5 * response.misfit + 0.5 * result.log_determinant;
@@ -203,6 +214,7 @@ LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) cons
     result.frame = walls_.frame_mean();
     if (num_observed_rows() == 0) return result;
     const Response response = respond(theta);
+    // |alpha|^2 = e^T C^-1 e - |w|^2, tr C^-1 R = rows - rank + tr M^-1 (method.md, 4.5)
     result.weighted_misfit = response.misfit - response.motion.squaredNorm();  // |alpha|^2
     Eigen::MatrixXd root_inverse = Eigen::MatrixXd::Identity(rank(), rank());
     response.inner.matrixL().solveInPlace(root_inverse);
@@ -212,6 +224,8 @@ LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) cons
     // J P = -G_o V X.
     const auto moved = response.shapes.leftCols(rank());
     const Eigen::VectorXd shape = response.shapes.col(rank()) + moved * response.motion;
+    result.slice_share =
+        slice_share_of(observed_.rows, observed_.target + observed_.along_modes * shape);
     result.misfit_mm2 = target_squares_ + shape.dot(2.0 * target_along_modes_ + squares_ * shape);
     result.expected_misfit_mm2 =
         noise_trace_ -
@@ -236,6 +250,7 @@ void LinearisedProblem::add_gradient(const Response& response, Eigen::VectorXd& 
     const auto informed = response.informed.topLeftCorner(modes, rank());
     const auto pull = response.pull.head(modes);
     Eigen::MatrixXd adjoint(modes, rank() + 1);
+    // V^T G^T W = -[I X M^-1 + pull w^T | pull], then S^-1 of it
     adjoint.leftCols(rank()) = -response.inner.solve(informed.transpose()).transpose();
     adjoint.leftCols(rank()) -= pull * response.motion.transpose();
     adjoint.col(rank()) = -pull;
@@ -249,6 +264,7 @@ void LinearisedProblem::add_gradient(const Response& response, Eigen::VectorXd& 
         for (std::size_t r = 0; r < coupling_.size(); ++r) {
             const auto& region = model_.regions()[r];
             if (region.region != unknown_[k]) continue;
+            // dF/d ln E_r = E_r (<S_r, S^-1 W X^T> - <T_r, S^-1 W>)
             double change = region.stiffness.cwiseProduct(moment).sum();
             if (coupling_[r].size() > 0) change -= coupling_[r].cwiseProduct(adjoint).sum();
             gradient[k] += response.kpa[region.region] * change;
@@ -279,6 +295,7 @@ Eigen::MatrixXd LinearisedProblem::motion_covariance(const Eigen::VectorXd& thet
         along_frame;
     const Eigen::MatrixXd seen =
         response.informed.leftCols(rank()).transpose() * moved;  // B^T J ..
+    // A - Z^T I Z + (B^T J ..)^T M^-1 (B^T J ..): C^-1 = 1 - B M^-1 B^T again
     return by_walls - moved.transpose() * (information_ * moved) +
            seen.transpose() * response.inner.solve(seen);
 }
@@ -297,6 +314,7 @@ Eigen::MatrixXd LinearisedProblem::change_of_shape(const Response& response,
             const auto& region = model_.regions()[r];
             if (region.region != unknown_[k]) continue;
             const double kpa = response.kpa[region.region];
+            // dx/d ln E_r = S^-1 E_r (T_r c - S_r x)
             change.col(k) -= kpa * (region.stiffness * shape);
             if (coupling_[r].size() > 0) change.col(k) += kpa * (coupling_[r] * all);
         }
@@ -321,6 +339,7 @@ Eigen::MatrixXd LinearisedProblem::seen_information(const Eigen::VectorXd& theta
     const Response response = respond(theta);
     const Eigen::MatrixXd change = change_of_shape(response, response.motion);
     const Eigen::MatrixXd unseen = response.informed.leftCols(rank()).transpose() * change;
+    // D^T C^-1 D with D = -G V dx/d ln E (method.md, 5.2)
     return change.transpose() * information_ * change -
            unseen.transpose() * response.inner.solve(unseen);
 }
@@ -337,6 +356,7 @@ Eigen::MatrixXd LinearisedProblem::hessian(const Eigen::VectorXd& theta) const {
             change.col(c) = evaluate(at, true).gradient;
         }
     });
+    // (g(theta + h) - g(theta - h)) / 2 h, then made symmetric
     const Eigen::MatrixXd hessian = (change.leftCols(n) - change.rightCols(n)) / (2.0 * step);
     return 0.5 * (hessian + hessian.transpose());
 }

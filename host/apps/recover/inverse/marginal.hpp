@@ -44,6 +44,7 @@ public:
         double effective_rows = 0;       ///< trace of R C^-1: rows that the fit does not use up
         double misfit_mm2 = 0;           ///< r^T D r, D the weights of the rows
         double expected_misfit_mm2 = 0;  ///< its mean if R is right: trace of D R C^-1 R
+        double slice_share = 0;          ///< of the contours' noise that r shows (slice_share_of)
     };
 
     /// `driven` [driven_dofs] and `observed` [observed_dofs]: the displacement at which `rows` are

@@ -38,7 +38,7 @@ struct NestedEstimate {
     long inner_iterations = 0;  ///< evaluations of Phi and its gradient, scan included
 };
 
-/// The published way, kept as the baseline (method.md section 1): an outer L-BFGS over ln E of the
+/// The published way, kept as the baseline (method.md section 4): an outer L-BFGS over ln E of the
 /// observed unknown regions; every evaluation of it is an inner L-BFGS over the forces on the
 /// driven nodes. These start as the reactions of a Dirichlet solve that moves the nodes to their
 /// closest target points, later as the best forces so far (so Phi at one E depends a little on the

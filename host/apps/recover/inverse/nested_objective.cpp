@@ -9,17 +9,18 @@
 #include "solver/base/error.hpp"
 #include "solver/linear/direct.hpp"
 #include "solver/model/stiffness_matrix.hpp"
+#include "solver/model/tet4_model.hpp"
 
 namespace palpate {
 namespace {
 
 std::vector<Index> observed_unknown_regions(const RecoveryModel& recovery) {
-    const Mesh& mesh = recovery.model.mesh;
+    const SolidMesh& mesh = recovery.model.mesh;
     std::vector<char> is_observed(mesh.nodes.size(), 0);
     for (const Index node : recovery.observed) is_observed[node] = 1;
     std::vector<char> is_touched(recovery.model.materials.size(), 0);
-    for (Index t = 0; t < mesh.num_tets(); ++t) {
-        for (const Index node : mesh.tets[t]) is_touched[mesh.region[t]] |= is_observed[node];
+    for (Index e = 0; e < mesh.num_elements(); ++e) {
+        for (const Index node : mesh.nodes_of(e)) is_touched[mesh.region[e]] |= is_observed[node];
     }
     std::vector<Index> regions;
     std::copy_if(recovery.unknown.begin(), recovery.unknown.end(), std::back_inserter(regions),
@@ -28,7 +29,7 @@ std::vector<Index> observed_unknown_regions(const RecoveryModel& recovery) {
 }
 
 Model with_free_walls(const RecoveryModel& recovery) {
-    Model model = recovery.model;
+    Model model = tet4_model_of(recovery.model);
     for (const Index node : recovery.driven) {
         for (int c = 0; c < 3; ++c) model.prescribed[3 * node + c] = 0;
     }
@@ -66,7 +67,7 @@ NestedObjective::NestedObjective(const RecoveryModel& recovery,
     : recovery_(recovery),
       observations_(observations),
       free_(with_free_walls(recovery)),
-      held_(recovery.model),
+      held_(tet4_model_of(recovery.model)),
       unknown_(observed_unknown_regions(recovery)) {
     if (recovery.fixed.empty()) {
         throw Error(ErrorCode::input_unusable,
@@ -79,6 +80,7 @@ NestedObjective::NestedObjective(const RecoveryModel& recovery,
 
 void NestedObjective::set_moduli(const Eigen::VectorXd& theta) {
     for (std::size_t k = 0; k < unknown_.size(); ++k) {
+        // theta = ln E
         const double stiffness_kpa = std::exp(theta[static_cast<Index>(k)]);
         free_.materials[unknown_[k]].stiffness_kpa = stiffness_kpa;
         held_.materials[unknown_[k]].stiffness_kpa = stiffness_kpa;
@@ -102,6 +104,7 @@ Eigen::VectorXd NestedObjective::starting_force() {
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const Index row = static_cast<Index>(k);
         if (!rows[k].on_driven) continue;
+        // -r n at the walls' nodes brings each onto the target; f = K u of that is a start.
         moved.segment<3>(3 * rows[k].node) =
             -seen.residual_mm[row] * seen.normal.row(row).transpose();
     }
@@ -112,14 +115,17 @@ NestedState NestedObjective::evaluate(const Eigen::VectorXd& force) {
     NestedState state;
     state.displacement = solve(*free_solver_, driven_to_nodes(force));
     const ObservedState seen = observe(state.displacement);
+    // Phi = 1/2 sum r_k(u)^2, K(E) u = f
     state.value_mm2 = 0.5 * seen.residual_mm.squaredNorm();
     state.gradient = Eigen::VectorXd::Zero(free_.num_dofs());
     const auto& rows = observations_.rows();
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const Index row = static_cast<Index>(k);
+        // dPhi/du = sum r_k n_k
         state.gradient.segment<3>(3 * rows[k].node) +=
             seen.residual_mm[row] * seen.normal.row(row).transpose();
     }
+    // dPhi/df = K^-1 dPhi/du, K symmetric: the adjoint solve, at driven nodes
     state.force_gradient = nodes_to_driven(solve(*free_solver_, state.gradient));
     return state;
 }
@@ -131,6 +137,7 @@ Eigen::VectorXd NestedObjective::modulus_gradient(const NestedState& state) {
     Eigen::VectorXd of_theta(static_cast<Index>(unknown_.size()));
     for (std::size_t k = 0; k < unknown_.size(); ++k) {
         of_theta[static_cast<Index>(k)] =
+            // dPhi/d ln E = E dPhi/dE, dPhi/dE = -lambda . K_r u (method.md, 9.12)
             gradient.stiffness_kpa[unknown_[k]] * free_.materials[unknown_[k]].stiffness_kpa;
     }
     return of_theta;
@@ -144,6 +151,7 @@ double NestedObjective::curvature(const NestedState& state, const Eigen::VectorX
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const double along =
             seen.normal.row(static_cast<Index>(k)).dot(moved.segment<3>(3 * rows[k].node));
+        // d^T (d2Phi/df2) d = |G K^-1 d|^2, planes in place of surfaces (Gauss-Newton)
         sum += along * along;
     }
     return sum;

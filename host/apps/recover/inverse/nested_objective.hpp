@@ -21,14 +21,15 @@ struct NestedState {
     Eigen::VectorXd force_gradient;  ///< [3 num_driven] dPhi/df_d, mm^2/mN
 };
 
-/// The published objective (method.md section 1): Phi(E, f) = 1/2 sum_k r_k(u)^2, K(E) u = f, with
+/// The published objective (method.md section 4): Phi(E, f) = 1/2 sum_k r_k(u)^2, K(E) u = f, with
 /// the distances r_k of every surface point to its target, not weighted by their noise, no prior.
 /// Here driven nodes are free and carry unknown forces f_d; only the fixed nodes are held.
 /// Gradients come from one adjoint solve; K is factorised once per set of moduli.
 class NestedObjective {
 public:
     /// Keeps references to both. `direct_library` as in LinearSolverOptions.
-    /// Throws Error(input_unusable) if nothing is fixed: the free model could float.
+    /// Throws Error(input_unusable) if nothing is fixed: the free model could float,
+    /// Error(invalid_argument) for other elements than tet4.
     NestedObjective(const RecoveryModel& recovery, const SurfaceObservations& observations,
                     const std::string& direct_library = {});
 

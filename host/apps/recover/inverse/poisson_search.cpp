@@ -104,18 +104,45 @@ std::array<double, 2> reach_of(const Paraboloid& fit, Eigen::Index k, RatioLimit
     return {reach(down, variance), reach(up, variance)};
 }
 
-/// Of the best theta over the ratios, a plane through the best trial, by weighted least squares.
-Eigen::MatrixXd theta_slope(const std::vector<RatioTrial>& trials) {
-    const RatioTrial& best = lowest_of(trials);
-    const Eigen::Index count = trials.size();
-    Eigen::MatrixXd steps(count, best.ratios.size()), changes(count, best.theta.size());
-    for (Eigen::Index t = 0; t < count; ++t) {
-        const RatioTrial& trial = trials[t];
-        const double weight = weight_of(trial.objective - best.objective);
-        steps.row(t) = weight * (trial.ratios - best.ratios).transpose();
-        changes.row(t) = weight * (trial.theta - best.theta).transpose();
+/// Where ratio k is `value` and the others follow: nu_j + C_jk / C_kk (value - nu_k).
+Eigen::VectorXd along_ridge(const RatioPosterior& posterior, Eigen::Index k, double value,
+                            const RatioSearchOptions& options) {
+    const Eigen::VectorXd& best = posterior.best.ratios;
+    const Eigen::VectorXd ridge = posterior.covariance.col(k) / posterior.covariance(k, k);
+    Eigen::VectorXd ratios = best + (value - best[k]) * ridge;
+    ratios = ratios.cwiseMax(options.lowest).cwiseMin(options.highest);
+    ratios[k] = value;
+    return ratios;
+}
+
+/// Trials on both sides of the best ratio k, from it outwards, so that each starts near the last.
+RatioScan scan_of(const RatioEvaluation& evaluate, const RatioPosterior& posterior, Eigen::Index k,
+                  const RatioTrial& best, const RatioSearchOptions& options) {
+    constexpr double least_step = 0.004;  // none nearer to each other
+    std::vector<RatioTrial> trials{best};
+    for (const double side : {-1.0, 1.0}) {
+        double last = best.ratios[k];
+        for (const double of_reach : {0.7, 1.5}) {
+            const double reach = posterior.reach[k][side < 0 ? 0 : 1];
+            const double value = std::clamp(best.ratios[k] + side * of_reach * reach,
+                                            options.lowest, options.highest);
+            if (std::abs(value - last) < least_step) continue;
+            trials.push_back(evaluate(along_ridge(posterior, k, value, options)));
+            last = value;
+        }
     }
-    return steps.completeOrthogonalDecomposition().solve(changes).transpose();
+    std::sort(trials.begin(), trials.end(),
+              [&](const auto& a, const auto& b) { return a.ratios[k] < b.ratios[k]; });
+    RatioScan scan;
+    scan.lowest = options.lowest;
+    scan.highest = options.highest;
+    scan.theta.resize(best.theta.size(), trials.size());
+    for (std::size_t t = 0; t < trials.size(); ++t) {
+        scan.ratio.push_back(trials[t].ratios[k]);
+        scan.rise.push_back(std::max(0.0, trials[t].objective - best.objective));
+        scan.theta.col(t) = trials[t].theta - best.theta;
+    }
+    return scan;
 }
 
 }  // namespace
@@ -132,9 +159,17 @@ RatioPosterior search_ratios(const RatioEvaluation& evaluate, const Eigen::Vecto
         posterior.at_limit.push_back(limit_of(posterior.best.ratios[k], options));
         posterior.reach.push_back(reach_of(fit, k, posterior.at_limit.back(), options));
     }
-    posterior.theta_slope = theta_slope(trials);
     posterior.evaluations = static_cast<int>(trials.size());
     return posterior;
+}
+
+std::vector<RatioScan> scan_ratios(const RatioEvaluation& evaluate, const RatioPosterior& posterior,
+                                   const RatioSearchOptions& options) {
+    const RatioTrial best = evaluate(posterior.best.ratios);
+    std::vector<RatioScan> scans;
+    for (Eigen::Index k = 0; k < posterior.best.ratios.size(); ++k)
+        scans.push_back(scan_of(evaluate, posterior, k, best, options));
+    return scans;
 }
 
 std::array<double, 2> with_ratio_model_error(const std::array<double, 2>& reach) {

@@ -7,6 +7,8 @@
 #include <functional>
 #include <vector>
 
+#include "host/apps/recover/inverse/ratio_mixture.hpp"
+
 namespace palpate {
 
 /// What one set of Poisson's ratios leads to.
@@ -38,7 +40,6 @@ struct RatioPosterior {
     /// notwithstanding. At a limit only what points inside says anything.
     std::vector<std::array<double, 2>> reach;
     std::vector<RatioLimit> at_limit;  ///< [num ratios]
-    Eigen::MatrixXd theta_slope;       ///< d theta / d ratios along the best theta [moduli, ratios]
     int evaluations = 0;
     bool converged = false;  ///< whether the search ended by its tolerance
 };
@@ -46,9 +47,14 @@ struct RatioPosterior {
 /// The most probable Poisson's ratios between two limits. An evaluation condenses the model anew
 /// and has no derivatives, so quadratic interpolation in a trust region goes down (BOBYQA, Powell
 /// 2009, of NLopt), and a paraboloid through the trials, the lowest counting most, gives
-/// covariance and slopes. The first trial is at `start`.
+/// the covariance. The first trial is at `start`.
 RatioPosterior search_ratios(const RatioEvaluation& evaluate, const Eigen::VectorXd& start,
                              const RatioSearchOptions& options);
+
+/// What each ratio does to the moduli, which is strongly curved towards 0.5: trials at the best
+/// ratios and at 0.7 and 1.5 times the reach of each, the others following along the covariance.
+std::vector<RatioScan> scan_ratios(const RatioEvaluation& evaluate, const RatioPosterior& posterior,
+                                   const RatioSearchOptions& options);
 
 /// Standard deviation of a ratio that the model itself adds: on phantoms with 1 mm voxels (seeds 21
 /// to 26, 0.30 and 0.45) with a load that shows the ratio well, it was off by up to 0.036.

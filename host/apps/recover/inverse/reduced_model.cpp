@@ -76,6 +76,7 @@ bool ReducedModel::has_region(Index region) const {
 Eigen::MatrixXd ReducedModel::stiffness(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), observed_dofs());
     for (const auto& region : regions_) {
+        // S_oo(E) = sum_r E_r S_r,oo (method.md, 1.3)
         const double modulus = kpa[region.region];
         const auto& nodes = region.observed;
         if (is_every_node(nodes, num_observed_)) {
@@ -111,6 +112,7 @@ Eigen::VectorXd ReducedModel::unit_force(const CondensedRegion& region) const {
 
 Eigen::VectorXd ReducedModel::imbalance(const std::vector<double>& kpa) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(observed_dofs());
+    // g(E) = sum_r E_r g_r (method.md, 10.2)
     for (const auto& region : regions_) sum += kpa[region.region] * unit_force(region);
     return sum;
 }
@@ -120,6 +122,7 @@ Eigen::MatrixXd ReducedModel::coupling_times(const std::vector<double>& kpa,
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
     for (const auto& region : regions_) {
         if (region.driven.empty()) continue;
+        // S_od(E) u_d
         sum += kpa[region.region] * unit_coupling_times(region, driven);
     }
     return sum;
@@ -141,6 +144,7 @@ Eigen::VectorXd ReducedModel::observed_displacement(const std::vector<double>& k
                                                     const Eigen::VectorXd& driven) const {
     if (num_observed_ == 0) return {};
     const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
+    // u_o = u_o* - S_oo^-1 (S_od (u_d - u_d*) + g); at rest u* = 0, g = 0 (method.md, 1.3)
     if (point_.is_rest()) return -equilibrium.solve(coupling_times(kpa, driven));
     const Eigen::VectorXd moved = coupling_times(kpa, driven - point_.driven);
     return point_.observed - equilibrium.solve(moved + imbalance(kpa));

@@ -19,9 +19,9 @@ struct LinearisationPoint {
 
 /// The mechanics that the inverse problem sees: equilibrium of the observed nodes,
 ///   S_oo(E) (u_o - u_o*) + S_od(E) (u_d - u_d*) + g(E) = 0,   S(E) = sum_r E_r S_r, g likewise.
-/// At rest u* and g are zero, and linear elasticity is exact for every modulus (method.md section
-/// 2); elsewhere (`condense_at`) it is large deformation to first order. Matrices in mN/mm,
-/// displacements in mm.
+/// At rest u* and g are zero, and linear elasticity is exact for every modulus (method.md, 1.3);
+/// elsewhere (`condense_at`) it is large deformation to first order (method.md, 10.2). Matrices in
+/// mN/mm, displacements in mm.
 class ReducedModel {
 public:
     /// `stiffness_kpa` [num regions]: the moduli of regions that are not changed later.

@@ -56,6 +56,8 @@ ResponseModel ResponseModel::moved_with(const ReducedModel& model) const {
     moved.parts_.point = model.point();
     moved.parts_.stiffness_kpa = model.stiffness_kpa();
     for (std::size_t r = 0; r < moved.parts_.regions.size(); ++r) {
+        // V^T g_r: modes and functionals are kept, only what does not balance is new (method.md,
+        // 10.2)
         moved.parts_.regions[r].force =
             parts_.modes.transpose() * model.unit_force(model.regions()[r]);
     }
@@ -64,6 +66,7 @@ ResponseModel ResponseModel::moved_with(const ReducedModel& model) const {
 
 Eigen::MatrixXd ResponseModel::stiffness(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_modes());
+    // S(E) = sum_r E_r V^T S_r V (method.md, 1.3)
     for (const Region& part : parts_.regions) sum += kpa[part.region] * part.stiffness;
     return sum;
 }
@@ -78,6 +81,7 @@ void ResponseModel::find_diagonal() {
         std::vector<double> kpa = parts_.stiffness_kpa;
         kpa[parts_.regions[r].region] = 0;
         const Eigen::MatrixXd rest = stiffness(kpa);
+        // S(E) = rest + E diag: in these modes each E costs a division and no factor.
         if (rest.isDiagonal(rounding)) diagonal_ = {r, own.diagonal(), rest.diagonal(), kpa};
     }
 }
@@ -108,6 +112,7 @@ bool ResponseModel::is_stable(const std::vector<double>& kpa) const {
 Eigen::MatrixXd ResponseModel::coupling(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_functionals());
     for (const Region& part : parts_.regions) {
+        // T(E) = sum_r E_r V^T S_r,od Q^-1 N^T
         if (part.coupling.size() > 0) sum += kpa[part.region] * part.coupling;
     }
     return sum;
@@ -131,6 +136,7 @@ ResponseModel::Equilibrium ResponseModel::equilibrium_at(const std::vector<doubl
 Eigen::VectorXd ResponseModel::observed_displacement(const Equilibrium& equilibrium,
                                                      const Eigen::VectorXd& driven) const {
     if (num_modes() == 0) return Eigen::VectorXd::Zero(observed_dofs());
+    // u_o = u_o* - V S^-1 (T c + g),  c = N (u_d - u_d*) (method.md, 1.4 and 10.2)
     const Eigen::VectorXd force = equilibrium.coupling * motion_of(driven) + equilibrium.force;
     const Eigen::VectorXd change = -(parts_.modes * equilibrium.stiffness.solve(force));
     return parts_.point.is_rest() ? change : Eigen::VectorXd(parts_.point.observed + change);
@@ -139,6 +145,7 @@ Eigen::VectorXd ResponseModel::observed_displacement(const Equilibrium& equilibr
 Eigen::MatrixXd ResponseModel::significant_root(const Eigen::MatrixXd& covariance) const {
     const Eigen::MatrixXd weighted =
         parts_.influence.asDiagonal() * covariance * parts_.influence.asDiagonal();
+    // W C W ~ R R^T by pivoted Cholesky, W what a functional moves on the observed surface; W^-1 R
     const ColumnSelection kept = select_columns(weighted, parts_.root_tolerance);
     return parts_.influence.cwiseInverse().asDiagonal() * kept.root;
 }
@@ -200,6 +207,7 @@ private:
         Moduli kpa = model_.stiffness_kpa();
         for (const Index region : unknown_) {
             if (options_.reach > 1) {
+                // E* reach^(2 t - 1), or softest (stiffest / softest)^t: even steps of ln E
                 kpa[region] *= std::pow(options_.reach, 2 * t - 1);
             } else {
                 kpa[region] = options_.softest_kpa *
@@ -220,6 +228,7 @@ private:
     }
 
     double tolerance() const {
+        // A norm over all observed dofs for a root mean square over nodes.
         return options_.tolerance_mm * std::sqrt(std::max(1.0, model_.observed_dofs() / 3.0));
     }
 
@@ -243,6 +252,7 @@ private:
         check_cancelled(progress_);
         const Eigen::MatrixXd spread = prior_.covariance_times(stacked.transpose());
         check_cancelled(progress_);
+        // A subset N of the stacked functionals, turned such that N Q^-1 N^T = 1: c ~ N(0, 1).
         const ColumnSelection kept = select_columns(stacked * spread, 0.1 * tolerance());
         parts_.functionals = kept.rows_of(stacked);
         parts_.spread = kept.columns_of(spread);
@@ -260,6 +270,9 @@ private:
             const Eigen::MatrixXd forces =
                 model_.coupling_times(kpa, prior_.samples(count, options_.seed));
             check_cancelled(progress_);
+            // A Omega, Omega drawn from the prior: its columns span the range of A that walls
+            // excite
+            // (randomised range finder, Halko, Martinsson and Tropp 2011, algorithm 4.1).
             const Eigen::MatrixXd responses = equilibrium.solve(forces);
             check_cancelled(progress_);
             basis = orthonormal_columns(responses, 0.5 * tolerance() * std::sqrt(count));
@@ -278,6 +291,7 @@ private:
             Eigen::MatrixXd::Zero(model_.observed_dofs(), functionals + (is_rest ? 0 : 1));
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
             if (couplings_[r].size() == 0) continue;
+            // S(E) x = T(E) c and g(E), for the modes to span both (method.md, 1.4)
             force.leftCols(functionals) += kpa[model_.regions()[r].region] * couplings_[r];
         }
         if (!is_rest) force.col(functionals) = model_.imbalance(kpa);
@@ -295,6 +309,7 @@ private:
             parts_.influence = moved.colwise().norm().cwiseMax(floor).transpose();
             parts_.root_tolerance = 0.5 * tolerance();
         }
+        // V <- [V, what of the responses V does not span]
         parts_.modes = extended_basis(parts_.modes, responses, 0.5 * tolerance());
     }
 
@@ -313,6 +328,7 @@ private:
             check_cancelled(progress_);
             const auto& region = model_.regions()[r];
             const Eigen::MatrixXd stiffness =
+                // Galerkin: V^T S_r V, V^T T_r
                 modes.transpose() * model_.unit_stiffness_times(region, modes);
             ResponseModel::Region part{region.region,
                                        0.5 * (stiffness + stiffness.transpose()),
@@ -328,6 +344,7 @@ private:
     void test() {
         const Eigen::MatrixXd walls = prior_.samples(4, options_.seed + 1000);
         for (const double t : {0.25, 0.75}) {
+            // Greedy enrichment: modes are added where the reduced basis is worst.
             double left_out = left_out_at(moduli_at(t), walls);
             if (left_out > options_.tolerance_mm) {
                 add_modes_at(moduli_at(t));
@@ -366,6 +383,8 @@ private:
 
     double left_out_at(const Moduli& kpa, const Eigen::MatrixXd& walls) const {
         const LinearisationPoint& point = model_.point();
+        // u_o of the condensed model against that of the response model, root mean square over
+        // nodes
         Eigen::MatrixXd exact = -equilibrium_at(kpa).solve(
             model_.coupling_times(kpa, walls).colwise() + model_.imbalance(kpa));
         if (!point.is_rest()) exact.colwise() += point.observed;

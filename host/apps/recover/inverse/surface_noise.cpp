@@ -95,6 +95,9 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
         row.surface = seen.surface;
         row.place = seen.place;
         row.range_mm = observations.voxel_terraces().range_mm();
+        const std::vector<VoxelPlanes>& volumes = observations.voxel_terraces().volumes();
+        for (std::size_t v = 0; v < volumes.size(); ++v)
+            row.slices[v] = slice_place(volumes[v], seen.place, seen.facing);
         rows_.push_back(row);
     }
     set_level({});
@@ -153,6 +156,7 @@ void SurfaceNoise::set_level(const NoiseLevel& level) {
         const Observation& seen = observations_->rows()[k];
         rows_[k].independent_mm = level_.scale * seen.independent_mm;
         rows_[k].contour_mm = level_.contour_mm * seen.shared_factor;
+        rows_[k].slice_share = level_.slice_share;
     }
 }
 
@@ -167,8 +171,8 @@ double SurfaceNoise::contour_mm_for(double factor) const {
     for (std::size_t k = 0; k < rows_.size(); ++k) {
         if (rows_[k].on_driven) continue;
         const double organs = observations_->rows()[k].shared_factor;
-        others += noise_variance(rows_[k]) - rows_[k].contour_mm * rows_[k].contour_mm;
-        share += organs * organs;
+        others += noise_variance(rows_[k]) - contour_variance(rows_[k]);
+        share += organs * organs * contour_correlation(rows_[k], rows_[k]);
     }
     if (share == 0) return level_.contour_mm;
     const double b = others / share;

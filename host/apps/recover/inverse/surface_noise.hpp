@@ -19,6 +19,7 @@ struct NoiseLevel {
     double scale = 1;  ///< factor on the independent part, sigma_n
     /// Standard deviation (mm) of what whoever drew the contours added, both images together.
     double contour_mm = 0;
+    double slice_share = 0;  ///< of its variance: drawn slice by slice (slice_correlation)
 };
 
 /// The observations that count and their noise, Gaussian: held through a step, so that no step pays

@@ -32,6 +32,7 @@ constexpr double nugget = 1e-6;  // of the variance, so that long ranges can be 
 /// Motion along a wall over that along its normals. Distances hardly see a wall slide along itself,
 /// so that they cannot exclude it.
 double tangential_of(const WallMotionScale::Wall& wall, double fitted) {
+    // t^2 s^2 + (1.5 mm)^2 as a multiple of s^2 (method.md, 3.1)
     return std::hypot(fitted, slide_mm / wall.normal_mm);
 }
 
@@ -47,6 +48,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 6> rigid_motions(const std::vector<Vec3>& 
     for (const Vec3& place : places) middle += place / double(places.size());
     double squares = 0;
     for (const Vec3& place : places) squares += (place - middle).squaredNorm();
+    // A turn of 1 / radius, radius the root mean square distance, moves nodes by 1 mm.
     const double radius = std::sqrt(std::max(1e-12, squares / double(places.size())));
     Eigen::Matrix<double, Eigen::Dynamic, 6> motions(3 * places.size(), 6);
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -102,6 +104,7 @@ std::vector<Distances> distances_of(const WallPrior& prior, const std::vector<Li
             const LinearRow& row = wall.rows[j];
             wall.normals.push_back(expected.normals[row.position]);
             wall.along[j] = row.normal.dot(wall.normals[j]);
+            // y_j = n . u_d + (the frame's part) - r_j, as of the observed surfaces
             wall.wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
                              frame.frame.row(row.place, row.normal).dot(frame.motion) -
                              row.residual_mm;
@@ -118,6 +121,7 @@ std::vector<Distances> distances_of(const WallPrior& prior, const std::vector<Li
         for (Index j = 0; j < n; ++j)
             seen.row(j) = wall.rows[j].normal.transpose() *
                           motions.middleRows<3>(3 * place_of[wall.rows[j].position]);
+        // R + G E E^T G^T: the motion as a body does not depend on what is searched for (3.1).
         wall.noise += seen * seen.transpose();
     }
     return walls;
@@ -134,6 +138,8 @@ double cost_of(const Distances& wall, const WallMotionScale::Wall& scale, double
         for (Index i = j; i < n; ++i) {
             const Vec3 across_i = wall.rows[i].normal - wall.along[i] * wall.normals[i];
             covariance(i, j) +=
+                // k(d) (s^2 (g.n)(g'.n') + t^2 s^2 (P g).(P' g')), g the rows' normals (method.md,
+                // 3.1)
                 variance * matern32(wall.apart_mm(i, j), scale.range_mm) *
                 (wall.along[i] * wall.along[j] + tangential * tangential * across_i.dot(across_j));
         }
@@ -142,6 +148,7 @@ double cost_of(const Distances& wall, const WallMotionScale::Wall& scale, double
     if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
     Eigen::VectorXd whitened = wall.wanted;
     factor.matrixL().solveInPlace(whitened);
+    // 1/2 y^T C^-1 y + 1/2 ln det C = 1/2 |L^-1 y|^2 + sum ln L_ii (method.md, 3.2)
     return 0.5 * whitened.squaredNorm() +
            Eigen::VectorXd(factor.matrixLLT().diagonal()).array().log().sum();
 }
@@ -160,6 +167,7 @@ public:
         const std::size_t n = walls_.size();
         for (std::size_t w = 0; w < n; ++w)
             scale.walls.push_back(
+                // median exp(spread x): x ~ N(0, 1) is a log-normal prior
                 {normal_of_sd * expected_.sd_mm * std::exp(normal_spread * x[n + w]),
                  std::max(least_range_mm,
                           range_of_range * expected_.range_mm * std::exp(range_spread * x[w]))});
@@ -178,6 +186,7 @@ public:
         });
         double sum = 0;
         for (const double one : costs) sum += one;
+        // plus x^2 / 2 of each, that prior
         for (Index k = 0; k < num_unknown(); ++k) sum += 0.5 * x[k] * x[k];
         return std::isfinite(sum) ? sum : 1e30;
     }
@@ -225,6 +234,8 @@ std::shared_ptr<const WallPrior> walls_of(const WallPrior& prior, const WallMoti
         const double variance = std::pow(scale.walls[w].normal_mm, 2);
         for (Index j = 0; j < n; ++j) {
             wall.normals.row(j) = expected.normals[nodes[j]];
+            // s^2 k(d_ij) along the normals; `Wall` adds tangential motion and the body's
+            // (method.md, 3.1)
             wall.covariance(j, j) = variance * (1.0 + nugget);
             for (Index i = j + 1; i < n; ++i)
                 wall.covariance(i, j) = wall.covariance(j, i) =

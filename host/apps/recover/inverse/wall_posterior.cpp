@@ -57,6 +57,7 @@ void WallPosterior::find_frame(const FramePrior& frame) {
         for (std::size_t i = 0; i < part.rows.size(); ++i)
             turned.row(i) = frame.frame.row(part.rows[i].place, part.rows[i].normal);
         if (part.rows.empty()) continue;
+        // M = S^-1 + A^T K^-1 A, delta = M^-1 A^T K^-1 y, A the rows' motion with the frame
         const Eigen::MatrixXd weights = part.gram.solve(turned);
         precision += turned.transpose() * weights;
         pull += weights.transpose() * part.wanted;
@@ -85,6 +86,7 @@ void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven, const F
         const LinearRow& row = part.rows[j];
         for (Index i = j; i < n; ++i)
             gram(i, j) += i == j ? noise_variance(row) : noise_covariance(part.rows[i], row);
+        // K = G C G^T + R, y_j = n . u_d + (the frame's part) - r_j, m = C G^T K^-1 y
         wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
                     frame.frame.row(row.place, row.normal).dot(frame.motion) - row.residual_mm;
     }
@@ -116,6 +118,7 @@ Eigen::MatrixXd WallPosterior::covariance_of(const Eigen::MatrixXd& spread,
             if (part.rows.empty() || spread.cols() == 0) continue;  // BLAS takes no empty matrices
             Eigen::MatrixXd seen = seen_along_normals(part.rows, spread);
             part.gram.matrixL().solveInPlace(seen);
+            // N (C - C G^T K^-1 G C) N^T: |L^-1 G C N^T|^2 is taken off, K = L L^T
             known[p].selfadjointView<Eigen::Lower>().rankUpdate(seen.transpose());
         }
     });
@@ -131,6 +134,7 @@ Eigen::VectorXd WallPosterior::conditioned(const Eigen::VectorXd& prior_times_v)
     for (const Rows& part : parts_) {
         if (part.rows.empty()) continue;
         const Eigen::VectorXd seen = seen_along_normals(part.rows, prior_times_v);
+        // H^-1 v = C v - C G^T K^-1 G C v
         add_spread_back(part, part.gram.solve(seen), -1.0, result);
     }
     return result;

@@ -56,6 +56,7 @@ Eigen::MatrixXd covariance_of(const Sparse& precision, const std::vector<Index>&
     if (factor.info() != Eigen::Success || (factor.vectorD().array() <= 0).any()) {
         throw Error(ErrorCode::internal, "the prior of the driven displacement is not definite");
     }
+    // C = Q^-1, Q the sparse precision of one wall
     const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n));
     return 0.5 * (inverse + inverse.transpose());
 }
@@ -84,6 +85,7 @@ Eigen::MatrixXd normal_numbers(Eigen::Index rows, Eigen::Index columns, unsigned
     std::mt19937_64 engine(seed);
     const auto uniform = [&] { return (double(engine() >> 11) + 0.5) * 0x1.0p-53; };
     return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] {
+        // sqrt(-2 ln a) cos(2 pi b), a and b uniform on (0, 1)
         const double radius = std::sqrt(-2.0 * std::log(uniform()));
         return radius * std::cos(2.0 * std::numbers::pi * uniform());
     });
@@ -103,6 +105,7 @@ Eigen::MatrixXd WallPrior::Wall::covariance_along(
     Eigen::MatrixXd as_body(at.size(), 6);
     for (std::size_t k = 0; k < at.size(); ++k)
         as_body.row(k) = directions.row(k) * rigid.middleRows<3>(3 * at[k]);
+    // k s^2 ((g.n)(g'.n') + t^2 (P g).(P' g')) + (g E)(g' E)^T (method.md, 3.1)
     return together.cwiseProduct(along * along.transpose() + across * across.transpose()) +
            as_body * as_body.transpose();
 }
@@ -126,6 +129,7 @@ Eigen::MatrixXd WallPrior::Wall::times(const Eigen::MatrixXd& x) const {
     const Eigen::MatrixXd along = along_normals(x);
     Eigen::MatrixXd across = x;
     add_along(-along, across);
+    // C x = N K N^T x + t^2 P K P x + E E^T x
     Eigen::MatrixXd result = tangential * tangential * (covariance * across);
     add_along(covariance * along - along_normals(result), result);
     Eigen::MatrixXd as_body = Eigen::MatrixXd::Zero(6, motions);
@@ -172,12 +176,14 @@ WallPrior::Factors WallPrior::factors_of(const Wall& wall) {
     Eigen::MatrixXd along(2 * n, 2 * n);
     for (Index j = 0; j < n; ++j) {
         for (Index i = j; i < n; ++i)
+            // t^2 K_ij T_i^T T_j in two tangents T of each node
             along.block<2, 2>(2 * i, 2 * j) = wall.tangential * wall.tangential *
                                               wall.covariance(i, j) *
                                               factors.tangents[i].transpose() * factors.tangents[j];
     }
     factors.tangential = cholesky(along, "covariance of the walls");
     factors.rigid = whitened(wall, factors, wall.rigid);
+    // 1 + E^T C_0^-1 E, C_0 without the motion as a body (Woodbury)
     factors.inner.compute(Eigen::MatrixXd::Identity(6, 6) +
                           factors.rigid.transpose() * factors.rigid);
     return factors;
@@ -205,12 +211,14 @@ double WallPrior::energy(const Eigen::VectorXd& u) const {
             moved.segment<3>(3 * k) = u.segment<3>(3 * walls_[w].nodes[k]);
         const Eigen::VectorXd white = whitened(walls_[w], factors_[w], moved);
         const Eigen::VectorXd as_body = factors_[w].rigid.transpose() * white;
+        // u^T C^-1 u = |L^-1 u|^2 - (E^T C_0^-1 u)^T (1 + E^T C_0^-1 E)^-1 (..)
         sum += white.squaredNorm() - as_body.dot(factors_[w].inner.solve(as_body));
     }
     if (!factors_.empty()) return 0.5 * sum;
     for (Index column = 0; column < precision_.outerSize(); ++column) {
         const Vec3 here = u.segment<3>(3 * column);
         for (Sparse::InnerIterator it(precision_, column); it; ++it) {
+            // 1/2 u^T Q u
             sum += it.value() * here.dot(u.segment<3>(3 * it.row()));
         }
     }
@@ -229,6 +237,7 @@ Eigen::MatrixXd WallPrior::samples(Index count, unsigned seed) const {
         const Eigen::LLT<Eigen::MatrixXd> factor(wall.covariance);
         const Eigen::MatrixXd numbers =
             normal_numbers(static_cast<Eigen::Index>(wall.nodes.size()), 3 * count, seed++);
+        // L x, x ~ N(0, 1), L L^T = C
         scatter(factor.matrixL() * numbers, wall.nodes, result);
     }
     return result;

@@ -8,7 +8,9 @@
 #include <numeric>
 
 #include "host/apps/recover/modelling/regions.hpp"
+#include "host/apps/recover/modelling/tissue_law.hpp"
 #include "solver/base/error.hpp"
+#include "solver/materials/linear.hpp"
 
 namespace palpate {
 namespace {
@@ -27,6 +29,8 @@ NodeSet set_of(const OrganSettings& organ) {
             return NodeSet::driven;
         case Role::tissue:
             return NodeSet::observed;
+        case Role::background:
+            break;
     }
     return NodeSet::free;
 }
@@ -38,7 +42,7 @@ bool is_outer_boundary(const RegionSurface& surface, Index triangle) {
 }
 
 /// Each node gets the strongest set of the triangles round it; caps give none.
-std::vector<NodeSet> node_sets(const RegionMesh& mesh, const Settings& settings) {
+std::vector<NodeSet> node_sets(const BodyMesh& mesh, const Settings& settings) {
     const RegionSurface& surface = mesh.surface;
     const bool outer_fixed = settings.background && settings.background->outer_boundary_fixed;
     std::vector<NodeSet> sets(mesh.mesh.nodes.size(), NodeSet::free);
@@ -63,28 +67,43 @@ double ratio_of(const Material& material, const PriorSettings& prior) {
     return std::clamp(material.poisson_ratio, prior.poisson_lowest, prior.poisson_highest);
 }
 
-std::vector<LinearElastic> materials_of(const Settings& settings) {
-    std::vector<LinearElastic> materials(settings.num_regions());
+SolidMaterial material_of(double stiffness_kpa, double poisson_ratio) {
+    return {name_of(TissueLaw::linear), {stiffness_kpa, poisson_ratio}};
+}
+
+std::vector<SolidMaterial> materials_of(const Settings& settings) {
+    const LinearElastic nothing;  // of regions without elements
+    std::vector<SolidMaterial> materials(settings.num_regions(),
+                                         material_of(nothing.stiffness_kpa, nothing.poisson_ratio));
     if (settings.background) {
-        materials[background_region] = {settings.background->stiffness_kpa,
-                                        ratio_of(*settings.background, settings.prior)};
+        materials[background_region] = material_of(settings.background->stiffness_kpa,
+                                                   ratio_of(*settings.background, settings.prior));
     }
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         const auto& organ = settings.organs[k];
-        materials[first_organ_region + k] = {
-            organ.stiffness_kpa.value_or(prior_median_kpa(settings)),
-            ratio_of(organ, settings.prior)};
+        materials[first_organ_region + k] =
+            material_of(organ.stiffness_kpa.value_or(prior_median_kpa(settings)),
+                        ratio_of(organ, settings.prior));
     }
     return materials;
 }
 
-std::vector<ObservedSurface> observed_surfaces(const RegionMesh& mesh, const Settings& settings) {
+bool touches_border(const RegionSurface& surface, Index region) {
+    for (Index t = 0; t < surface.num_triangles(); ++t) {
+        if (!surface.on_image_border[t]) continue;
+        if (surface.regions[t][0] == region || surface.regions[t][1] == region) return true;
+    }
+    return false;
+}
+
+std::vector<ObservedSurface> observed_surfaces(const BodyMesh& mesh, const Settings& settings) {
     std::vector<ObservedSurface> surfaces;
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         if (settings.organs[k].role == Role::fixed) continue;
         ObservedSurface observed;
         observed.region = first_organ_region + static_cast<Index>(k);
         observed.driven = settings.organs[k].role == Role::driven;
+        observed.cut_by_image = touches_border(mesh.surface, observed.region);
         observed.surface =
             surface_of_region(mesh.surface, observed.region, false, &observed.node_of);
         if (observed.surface.triangles.empty()) {
@@ -110,21 +129,21 @@ struct DisjointSets {
 
 /// Every piece of tissue must hang on at least three held nodes, or its rigid motion is free.
 void check_supported(const RecoveryModel& recovery, const Settings& settings) {
-    const Mesh& mesh = recovery.model.mesh;
+    const SolidMesh& mesh = recovery.model.mesh;
     DisjointSets pieces(mesh.num_nodes());
-    for (const auto& tet : mesh.tets) {
-        for (int c = 1; c < 4; ++c) pieces.join(tet[0], tet[c]);
+    for (Index e = 0; e < mesh.num_elements(); ++e) {
+        for (const Index node : mesh.nodes_of(e)) pieces.join(mesh.nodes_of(e)[0], node);
     }
     std::vector<Index> held(mesh.nodes.size(), 0);
     for (const Index node : recovery.fixed) ++held[pieces.find(node)];
     for (const Index node : recovery.driven) ++held[pieces.find(node)];
-    for (Index t = 0; t < mesh.num_tets(); ++t) {
-        if (held[pieces.find(mesh.tets[t][0])] >= 3) continue;
+    for (Index e = 0; e < mesh.num_elements(); ++e) {
+        if (held[pieces.find(mesh.nodes_of(e)[0])] >= 3) continue;
         throw Error(ErrorCode::input_unusable,
                     fmt::format("region '{}' touches neither a driven nor a fixed surface, so "
                                 "nothing can move it; add a [background], a driven or a fixed "
                                 "organ next to it",
-                                name_of_region(settings, mesh.region[t])));
+                                name_of_region(settings, mesh.region[e])));
     }
 }
 
@@ -149,7 +168,7 @@ double prior_median_kpa(const Settings& settings) {
     return settings.prior.stiffness_median_ratio * reference;
 }
 
-RecoveryModel build_model(const RegionMesh& mesh, const Settings& settings) {
+RecoveryModel build_model(const BodyMesh& mesh, const Settings& settings) {
     RecoveryModel recovery;
     recovery.model.mesh = mesh.mesh;
     recovery.model.materials = materials_of(settings);

@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "host/apps/recover/modelling/body_mesh.hpp"
 #include "host/apps/recover/modelling/settings.hpp"
-#include "host/geometry/meshing/mesher.hpp"
-#include "solver/model/model.hpp"
+#include "solver/model/solid_model.hpp"
 
 namespace palpate {
 
@@ -16,11 +16,13 @@ struct ObservedSurface {
     bool driven = false;
     Surface surface;             ///< vertices in reference position, mm LPS
     std::vector<Index> node_of;  ///< mesh node of each vertex
+    bool cut_by_image = false;   ///< a part of the organ's surface lies on the image box
 };
 
 /// The forward model of the inverse problem: which nodes are fixed, driven, observed, free.
 struct RecoveryModel {
-    Model model;                  ///< materials by region number; fixed and driven dofs prescribed
+    /// Linear elasticity, materials by region number; fixed and driven dofs prescribed.
+    SolidModel model;
     std::vector<Index> fixed;     ///< nodes with zero displacement, ascending
     std::vector<Index> driven;    ///< nodes with unknown displacement and force, ascending
     std::vector<Index> observed;  ///< free nodes on tissue surfaces, ascending
@@ -34,15 +36,9 @@ struct RecoveryModel {
 /// move. Unknown moduli start at the prior median. Throws Error(input_unusable) if nothing is
 /// observed, or a piece of meshed tissue touches neither a fixed nor a driven node (its rigid
 /// motion would be undetermined).
-RecoveryModel build_model(const RegionMesh& mesh, const Settings& settings);
+RecoveryModel build_model(const BodyMesh& mesh, const Settings& settings);
 
 /// Prior median of unknown moduli, kPa: settings.prior.stiffness_median_ratio x reference tissue.
 double prior_median_kpa(const Settings& settings);
-
-/// The conforming surface of a ready mesh whose `region` holds region numbers. Faces towards
-/// nothing get the hollow organ or the outside that lies there in the reference `field`; faces on
-/// the image box are marked.
-RegionMesh region_mesh_from_tets(const Mesh& mesh, const LabelField& field,
-                                 const Settings& settings);
 
 }  // namespace palpate

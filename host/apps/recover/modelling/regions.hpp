@@ -6,7 +6,6 @@
 
 #include "host/apps/recover/modelling/settings.hpp"
 #include "host/io/label_image.hpp"
-#include "solver/mesh/mesh.hpp"
 
 namespace palpate {
 
@@ -22,13 +21,7 @@ RegionImage to_regions(const LabelImage& image, const Settings& settings,
 Index label_of_region(const Settings& settings, Index region);
 std::string name_of_region(const Settings& settings, Index region);
 
-/// A ready mesh whose `region` holds file labels, with region numbers instead; tets of hollow
-/// organs and of unknown labels outside a background without label are left out with their nodes.
-/// Throws Error(input_unusable) naming `mesh_name` if no tet of a needed organ is left.
-Mesh with_region_numbers(const Mesh& labelled, const Settings& settings,
-                         const std::string& mesh_name);
-
-/// Regions without tetrahedra: hollow organs.
+/// Regions without elements: hollow organs.
 std::vector<Index> hollow_regions(const Settings& settings);
 
 /// A sentence for each organ that is nowhere three voxels thick: no voxel of it has six neighbours

@@ -124,8 +124,15 @@ std::optional<double> read_contour_sd(const SettingsTable& table) {
     }
 }
 
+/// `contour_style`: whether contours were drawn slice by slice.
+std::optional<bool> read_contour_style(const SettingsTable& table) {
+    const auto style = table.choice("contour_style", {"unknown", "surface", "slices"});
+    if (!style || *style == "unknown") return std::nullopt;
+    return *style == "slices";
+}
+
 PriorSettings read_prior(const SettingsTable& table) {
-    table.allow_keys({"noise_voxels", "contour_sd_mm", "displacement_sd_mm",
+    table.allow_keys({"noise_voxels", "contour_sd_mm", "contour_style", "displacement_sd_mm",
                       "displacement_range_mm", "stiffness_median_ratio", "stiffness_sd_ln",
                       "poisson_lowest", "poisson_highest"});
     PriorSettings p;
@@ -134,6 +141,7 @@ PriorSettings read_prior(const SettingsTable& table) {
     };
     read("noise_voxels", {0, 10, true}, p.noise_voxels);
     p.contour_sd_mm = read_contour_sd(table);
+    p.drawn_by_slice = read_contour_style(table);
     read("displacement_sd_mm", {0, 1000, true}, p.displacement_sd_mm);
     read("displacement_range_mm", {0, 10000, true}, p.displacement_range_mm);
     read("stiffness_median_ratio", {1e-4, 1e4}, p.stiffness_median_ratio);
@@ -221,11 +229,12 @@ std::string background_toml(const BackgroundSettings& background) {
 
 std::string prior_toml(const PriorSettings& p, bool has_unknown_ratio) {
     std::string text = fmt::format(
-        "\n[prior]\nnoise_voxels = {}\ncontour_sd_mm = {}\ndisplacement_sd_mm = {}\n"
+        "\n[prior]\nnoise_voxels = {}\ncontour_sd_mm = {}\ncontour_style = "
+        "\"{}\"\ndisplacement_sd_mm = {}\n"
         "displacement_range_mm = {}\nstiffness_median_ratio = {}\n"
         "stiffness_sd_ln = {}\n",
         number_text(p.noise_voxels),
-        p.contour_sd_mm ? number_text(*p.contour_sd_mm) : "\"unknown\"",
+        p.contour_sd_mm ? number_text(*p.contour_sd_mm) : "\"unknown\"", contour_style_name(p),
         number_text(p.displacement_sd_mm), number_text(p.displacement_range_mm),
         number_text(p.stiffness_median_ratio), number_text(p.stiffness_sd_ln));
     if (has_unknown_ratio)
@@ -236,6 +245,11 @@ std::string prior_toml(const PriorSettings& p, bool has_unknown_ratio) {
 
 }  // namespace
 
+const char* contour_style_name(const PriorSettings& prior) {
+    if (!prior.drawn_by_slice) return "unknown";
+    return *prior.drawn_by_slice ? "slices" : "surface";
+}
+
 const char* name_of(Role role) {
     switch (role) {
         case Role::tissue:
@@ -244,6 +258,8 @@ const char* name_of(Role role) {
             return "driven";
         case Role::fixed:
             return "fixed";
+        case Role::background:
+            return "background";
     }
     return "tissue";
 }

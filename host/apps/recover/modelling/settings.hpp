@@ -13,9 +13,10 @@ namespace palpate {
 
 /// What an organ does in the inverse problem (method.md section 1).
 enum class Role {
-    tissue,  ///< meshed; its surface is observed and carries no force
-    driven,  ///< its surface carries unknown forces and is observed
-    fixed,   ///< does not move
+    tissue,      ///< meshed; its surface is observed and carries no force
+    driven,      ///< its surface carries unknown forces and is observed
+    fixed,       ///< does not move
+    background,  ///< the tissue round all organs; no organ has this role
 };
 const char* name_of(Role role);
 
@@ -46,6 +47,9 @@ struct PriorSettings {
     /// Standard deviation (mm) of how far whoever drew the contours of one image was off, along
     /// 7 mm in the same direction. Empty: found from how the surfaces fit.
     std::optional<double> contour_sd_mm;
+    /// Whether they were drawn slice by slice, each off by itself, and not smooth along the
+    /// surface. Empty: found from how the surfaces fit.
+    std::optional<bool> drawn_by_slice;
     double displacement_sd_mm = 5.0;       ///< sd of the driven displacement, each component
     double displacement_range_mm = 40.0;   ///< distance at which its correlation has dropped to 0.1
     double stiffness_median_ratio = 10.0;  ///< prior median of unknown moduli over the reference
@@ -62,6 +66,9 @@ struct Settings {
     Index num_regions() const { return 2 + static_cast<Index>(organs.size()); }
     bool has_unknown_poisson_ratio() const;
 };
+
+/// "unknown", "surface" or "slices": `contour_style` of the settings.
+const char* contour_style_name(const PriorSettings& prior);
 
 /// Reads TOML. Throws Error(input_unreadable) (missing or not TOML, with line) and
 /// Error(invalid_argument) naming table, key, value and allowed values; unknown keys are errors.

@@ -17,13 +17,31 @@ TissueLaw tissue_law_of(const std::string& name) {
                 "there is no tissue law '" + name + "'; choose linear or neo-hookean");
 }
 
-SolidModel solid_model_of(const Model& model, TissueLaw law) {
-    SolidModel solid;
-    solid.mesh = solid_mesh_of(model.mesh);
-    for (const LinearElastic& material : model.materials)
-        solid.materials.push_back({name_of(law), {material.stiffness_kpa, material.poisson_ratio}});
-    solid.prescribed = model.prescribed;
-    return solid;
+SolidModel with_law(SolidModel model, TissueLaw law) {
+    for (SolidMaterial& material : model.materials) material.law = name_of(law);
+    return model;
+}
+
+double stiffness_kpa(const SolidModel& model, Index region) {
+    return model.materials[region].parameters[0];
+}
+
+double poisson_ratio(const SolidModel& model, Index region) {
+    return model.materials[region].parameters[1];
+}
+
+void set_stiffness(SolidModel& model, Index region, double kpa) {
+    model.materials[region].parameters[0] = kpa;
+}
+
+void set_poisson_ratio(SolidModel& model, Index region, double ratio) {
+    model.materials[region].parameters[1] = ratio;
+}
+
+std::vector<double> moduli_of(const SolidModel& model) {
+    std::vector<double> moduli;
+    for (const SolidMaterial& material : model.materials) moduli.push_back(material.parameters[0]);
+    return moduli;
 }
 
 }  // namespace palpate

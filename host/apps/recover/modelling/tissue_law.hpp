@@ -3,8 +3,8 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "solver/model/model.hpp"
 #include "solver/model/solid_model.hpp"
 
 namespace palpate {
@@ -20,7 +20,15 @@ const char* name_of(TissueLaw law);
 /// Throws Error(invalid_argument) naming those that there are.
 TissueLaw tissue_law_of(const std::string& name);
 
-/// The same body for equilibrium at large deformation.
-SolidModel solid_model_of(const Model& model, TissueLaw law);
+/// The same body with another law.
+SolidModel with_law(SolidModel model, TissueLaw law);
+
+/// Of one region of a body that obeys a tissue law.
+double stiffness_kpa(const SolidModel& model, Index region);
+double poisson_ratio(const SolidModel& model, Index region);
+void set_stiffness(SolidModel& model, Index region, double kpa);
+void set_poisson_ratio(SolidModel& model, Index region, double ratio);
+/// Young's moduli of all regions, kPa.
+std::vector<double> moduli_of(const SolidModel& model);
 
 }  // namespace palpate

@@ -49,7 +49,7 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             row.place = surface.surface.vertices[v];
             const ShapeDistance own = shapes_.reference[s]->measure(row.place, Vec3::Zero());
             own_offset_.push_back(own.mm);
-            facing_.push_back(own.normal);
+            row.facing = own.normal;
             // Nodes that share a voxel share its information, and so do the two organs that meet at
             // one interface node.
             const double share =
@@ -83,7 +83,7 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
         u += frame_.frame.displacement(frame, row.place);
         state.place.row(k) = row.place + u;
         const ShapeDistance target =
-            shapes_.target[row.surface]->measure(row.place + u, facing_[k]);
+            shapes_.target[row.surface]->measure(row.place + u, row.facing);
         state.residual_mm[k] = target.mm - own_offset_[k];
         state.normal.row(k) = target.normal;
         state.smooth_normal.row(k) = target.smooth_normal;
@@ -95,7 +95,7 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
 std::vector<Terraces> SurfaceObservations::terraces(const ObservedState& state) const {
     std::vector<Terraces> all;
     for (Index k = 0; k < num_rows(); ++k) {
-        all.push_back(terraces_.of_distance(rows_[k].place, facing_[k], state.place.row(k),
+        all.push_back(terraces_.of_distance(rows_[k].place, rows_[k].facing, state.place.row(k),
                                             state.normal.row(k)));
         all.back().waves *= rows_[k].shared_factor;
     }

@@ -35,16 +35,17 @@ struct ObservationOptions {
 };
 
 /// The data term of one surface node: r = d_target(x + u) - d_reference(x), the distance to the
-/// target surface along its normal (method.md section 3). Subtracting the node's own offset from
+/// target surface along its normal (method.md, 2.1). Subtracting the node's own offset from
 /// the reference surface removes what chords and volume correction added to the mesh.
 struct Observation {
     Index surface = 0;  ///< position in `RecoveryModel::surfaces`
     Index node = 0;
     Index position = 0;  ///< in `RecoveryModel::driven` or `observed`
     bool on_driven = false;
-    double independent_mm = 0;  ///< standard deviation, inflated where nodes share voxels
-    double shared_factor = 1;   ///< on what organs share at a node of both: root of their number
-    Vec3 place = Vec3::Zero();  ///< reference position of the node, mm
+    double independent_mm = 0;   ///< standard deviation, inflated where nodes share voxels
+    double shared_factor = 1;    ///< on what organs share at a node of both: root of their number
+    Vec3 place = Vec3::Zero();   ///< reference position of the node, mm
+    Vec3 facing = Vec3::Zero();  ///< outward normal of the surface there at rest
 };
 
 /// Values and normals of all observations at one state.
@@ -85,7 +86,6 @@ private:
     FrameEvidence frame_;
     std::vector<double> own_offset_;  ///< d_reference(x) of each row
     ObservedShapes shapes_;
-    std::vector<Vec3> facing_;  ///< outward normal of each row's surface at rest
 };
 
 }  // namespace palpate

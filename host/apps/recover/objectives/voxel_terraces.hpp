@@ -54,6 +54,7 @@ public:
     /// Of the distance d_target(target) - d_reference(reference); unit normals of both surfaces.
     Terraces of_distance(const Vec3& reference, const Vec3& reference_normal, const Vec3& target,
                          const Vec3& target_normal) const;
+    const std::vector<VoxelPlanes>& volumes() const { return volumes_; }
     /// Where the correlation of each wave falls to 1/e, mm.
     const std::array<double, max_terraces>& range_mm() const { return range_mm_; }
 

@@ -22,6 +22,7 @@
 #include "host/geometry/surfaces/surface.hpp"
 #include "host/geometry/warping/inverse_field.hpp"
 #include "host/system/version.hpp"
+#include "solver/model/quadratic_mesh.hpp"
 
 namespace palpate {
 namespace {
@@ -47,11 +48,11 @@ RegionResult background_result(const Settings& settings) {
     result.region = background_region;
     result.name = "background";
     result.label = label_of_region(settings, background_region);
-    result.role = "background";
+    result.role = Role::background;
     result.poisson_ratio = settings.background->poisson_ratio;
     result.stiffness_kpa = settings.background->stiffness_kpa;
     result.interval_kpa = {result.stiffness_kpa, result.stiffness_kpa};
-    result.verdict = "given";
+    result.verdict = Verdict::given;
     result.reason = "reference tissue: every modulus is relative to it";
     return result;
 }
@@ -78,8 +79,8 @@ std::vector<SensitivityResult> sensitivity_of(const ScaledSensitivity& sensitivi
 void describe_unknown(const Recovered& found, const Settings& settings, RegionResult& result) {
     const auto& estimate = found.estimate;
     result.unknown = true;
-    result.stiffness_kpa = found.recovery.model.materials[result.region].stiffness_kpa;
-    const Verdict verdict = judge_unobserved(result.role == "driven");
+    result.stiffness_kpa = stiffness_kpa(found.recovery.model, result.region);
+    const Judgement verdict = judge_unobserved(result.role == Role::driven);
     result.verdict = verdict.verdict;
     result.reason = verdict.reason;
     result.sd_ln = settings.prior.stiffness_sd_ln;
@@ -90,7 +91,7 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
         judge_modulus(estimate, k, settings, result);
     }
     if (has_known_tissue(settings)) return;
-    const Verdict without = judge_without_reference();
+    const Judgement without = judge_without_reference();
     result.verdict = without.verdict;
     result.reason = without.reason;
 }
@@ -98,14 +99,14 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
 /// Everything that was allowed, for a region whose ratio moves nothing that is seen.
 RatioResult unseen_ratio(const PriorSettings& prior) {
     return {{prior.poisson_lowest, prior.poisson_highest},
-            "not identifiable",
+            Verdict::not_identifiable,
             "the ratio has no influence on the surfaces that were seen"};
 }
 
 void describe_ratio(const Recovered& found, const Settings& settings, RegionResult& result) {
     const auto& unknown = found.recovery.unknown_ratio;
     if (std::find(unknown.begin(), unknown.end(), result.region) == unknown.end()) return;
-    result.poisson_ratio = found.recovery.model.materials[result.region].poisson_ratio;
+    result.poisson_ratio = poisson_ratio(found.recovery.model, result.region);
     result.ratio = unseen_ratio(settings.prior);
     const auto& regions = found.poisson->regions;
     const auto place = std::find(regions.begin(), regions.end(), result.region);
@@ -114,8 +115,8 @@ void describe_ratio(const Recovered& found, const Settings& settings, RegionResu
     const RatioPosterior& ratios = found.poisson->ratios;
     const RatioEvidence evidence{result.poisson_ratio, with_ratio_model_error(ratios.reach[k]),
                                  ratios.at_limit[k], result.ratio->interval};
-    const Verdict verdict = judge_ratio(evidence);
-    if (verdict.verdict == "not identifiable") {
+    const Judgement verdict = judge_ratio(evidence);
+    if (verdict.verdict == Verdict::not_identifiable) {
         result.ratio->reason = verdict.reason;
     } else {
         result.ratio = {evidence.interval(), verdict.verdict, verdict.reason};
@@ -134,16 +135,16 @@ std::vector<RegionResult> region_results(const Recovered& found, const Settings&
         result.region = first_organ_region + static_cast<Index>(k);
         result.name = organ.name;
         result.label = organ.label;
-        result.role = name_of(organ.role);
+        result.role = organ.role;
         result.hollow = organ.hollow;
         result.poisson_ratio = organ.poisson_ratio;
         if (organ.hollow) {
-            result.verdict = "hollow";
+            result.verdict = Verdict::hollow;
             result.reason = "its inside is not modelled";
         } else if (organ.stiffness_kpa) {
             result.stiffness_kpa = *organ.stiffness_kpa;
             result.interval_kpa = {*organ.stiffness_kpa, *organ.stiffness_kpa};
-            result.verdict = "given";
+            result.verdict = Verdict::given;
             result.reason = "set in the settings";
         } else {
             describe_unknown(found, settings, result);
@@ -200,7 +201,8 @@ std::optional<ContourError> contour_error(const MapEstimate& estimate, const Tar
                         is_given,
                         target.labels ? 2 : 1,
                         noise.scale,
-                        !is_given && noise.contour_mm >= most_contour_mm};
+                        !is_given && noise.contour_mm >= most_contour_mm,
+                        noise.slice_share};
 }
 
 /// What a reader must know where contours and surfaces do not go together.
@@ -228,7 +230,8 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const Target
     SurfaceResult result;
     result.region = observed.region;
     result.name = name_of_region(settings, observed.region);
-    result.role = observed.driven ? "driven" : "tissue";
+    result.role = observed.driven ? Role::driven : Role::tissue;
+    result.cut_by_image = observed.cut_by_image;
     result.reference = observed.surface;
     result.node_of = observed.node_of;
     if (s < found.resultant_sd.size()) result.resultant_sd_mn = found.resultant_sd[s];
@@ -250,14 +253,6 @@ SurfaceResult surface_result(const Recovered& found, std::size_t s, const Target
     return result;
 }
 
-bool touches_border(const RegionSurface& surface, Index region) {
-    for (Index t = 0; t < surface.num_triangles(); ++t) {
-        if (!surface.on_image_border[t]) continue;
-        if (surface.regions[t][0] == region || surface.regions[t][1] == region) return true;
-    }
-    return false;
-}
-
 /// The target's grid; where there is none, the reference's, moved with the patient.
 ImageGrid target_grid(const LabelledState& reference, const TargetState& target) {
     if (target.labels) return target.labels->regions.grid;
@@ -272,7 +267,7 @@ void add_volumes(const Recovered& found, const LabelledState& reference, const T
                  const Settings& settings, RecoveryResult& result) {
     const RigidTransform& transform = found.alignment.reference_to_target;
     const ImageGrid grid = target_grid(reference, target);
-    const Mesh& mesh = found.mesh.mesh;
+    const Mesh mesh = linear_mesh_of(result.mesh);
     const auto field = displacement_on_grid(mesh, result.displacement, reference.regions.grid);
     InverseField inverse = inverse_field(mesh, result.displacement, field, transform, grid);
     result.inverse_displacement_field = std::move(inverse.field);
@@ -301,9 +296,9 @@ std::vector<std::string> warnings_about(const std::vector<SurfaceResult>& surfac
         if (surface.target_kind == "none") {
             warnings.push_back(fmt::format(
                 "No target was given for {} ({}): it carries no data and moves as {}.",
-                surface.name, surface.role,
-                surface.role == "driven" ? "its prior and the other organs' surfaces let it"
-                                         : "its surroundings do"));
+                surface.name, name_of(surface.role),
+                surface.role == Role::driven ? "its prior and the other organs' surfaces let it"
+                                             : "its surroundings do"));
         } else if (surface.seen_share == 0) {
             warnings.push_back(
                 fmt::format("The target of {} shows no part of its surface: it carries no data.",
@@ -322,14 +317,13 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.settings_toml = to_toml(settings);
     result.version = version_text();
     result.law = found.law;
-    result.mesh = found.mesh;
+    result.mesh = found.recovery.model.mesh;
     result.mesher = found.mesher;
     result.displacement = as_points(found.displacement);
     result.force = as_points(found.force);
     result.held = held_nodes(found.recovery);
-    for (const Index region : found.mesh.mesh.region) {
-        result.tet_stiffness_kpa.push_back(found.recovery.model.materials[region].stiffness_kpa);
-    }
+    for (const Index region : result.mesh.region)
+        result.element_stiffness_kpa.push_back(stiffness_kpa(found.recovery.model, region));
     result.regions = region_results(found, settings);
     add_deformations(found, result.regions);
     result.contours = contour_error(found.estimate, target, settings);
@@ -337,8 +331,6 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.sensitivity = sensitivity_of(found.estimate.sensitivity);
     for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {
         result.surfaces.push_back(surface_result(found, s, target, settings));
-        result.surfaces.back().cut_by_image =
-            touches_border(found.mesh.surface, result.surfaces.back().region);
     }
     result.profiles = found.estimate.profiles;
     result.convergence = found.estimate.records;

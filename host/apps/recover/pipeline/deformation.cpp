@@ -9,27 +9,24 @@
 namespace palpate {
 namespace {
 
-/// Columns are the edges from the first corner.
-Mat3 edges_of(const std::array<Vec3, 4>& corners) {
-    Mat3 edges;
-    for (int k = 0; k < 3; ++k) edges.col(k) = corners[k + 1] - corners[0];
-    return edges;
-}
+/// What the points of a mesh are made of.
+struct Points {
+    const SolidMesh& mesh;
+    std::vector<PointGeometry> geometry = point_geometry(mesh);
 
-struct TetDeformation {
-    double volume_mm3 = 0;
-    Mat3 gradient;  ///< of the displacement
-};
-
-TetDeformation deformation_of(const Mesh& mesh, const Tet& tet, const Eigen::VectorXd& u) {
-    std::array<Vec3, 4> before, change;
-    for (int k = 0; k < 4; ++k) {
-        before[k] = mesh.nodes[tet[k]];
-        change[k] = u.segment<3>(3 * tet[k]);
+    /// H = sum_a u_a (outer) dN_a/dX at point q of an element.
+    Mat3 displacement_gradient(Index element, int q, const Eigen::VectorXd& u) const {
+        const auto nodes = mesh.nodes_of(element);
+        Mat3 h = Mat3::Zero();
+        for (std::size_t a = 0; a < nodes.size(); ++a)
+            h += u.segment<3>(3 * nodes[a]) *
+                 Eigen::Map<const Eigen::RowVector3d>(at(element, q).gradient[a].data());
+        return h;
     }
-    const Mat3 edges = edges_of(before);
-    return {edges.determinant() / 6, edges_of(change) * edges.inverse()};
-}
+    const PointGeometry& at(Index element, int q) const {
+        return geometry[static_cast<std::size_t>(element) * mesh.table().num_points + q];
+    }
+};
 
 template <class Law>
 double energy_density(const Law& law, const Mat3& gradient) {
@@ -42,16 +39,19 @@ double energy_density(const Law& law, const Mat3& gradient) {
 
 /// Of all elements of one region.
 template <class Law>
-RegionDeformation region_deformation(const Law& law, const Model& model, Index region,
+RegionDeformation region_deformation(const Law& law, const Points& points, Index region,
                                      const Eigen::VectorXd& u) {
     RegionDeformation result{{HUGE_VAL, -HUGE_VAL}, 0};
-    for (Index e = 0; e < model.mesh.num_tets(); ++e) {
-        if (model.mesh.region[e] != region) continue;
-        const TetDeformation tet = deformation_of(model.mesh, model.mesh.tets[e], u);
-        const double jacobian = (Mat3::Identity() + tet.gradient).determinant();
-        result.jacobian_range = {std::min(result.jacobian_range[0], jacobian),
-                                 std::max(result.jacobian_range[1], jacobian)};
-        result.strain_energy_mj += tet.volume_mm3 * energy_density(law, tet.gradient) / 1000;
+    for (Index e = 0; e < points.mesh.num_elements(); ++e) {
+        if (points.mesh.region[e] != region) continue;
+        for (int q = 0; q < points.mesh.table().num_points; ++q) {
+            const Mat3 gradient = points.displacement_gradient(e, q, u);
+            const double jacobian = (Mat3::Identity() + gradient).determinant();
+            result.jacobian_range = {std::min(result.jacobian_range[0], jacobian),
+                                     std::max(result.jacobian_range[1], jacobian)};
+            result.strain_energy_mj +=
+                points.at(e, q).volume * energy_density(law, gradient) / 1000;
+        }
     }
     if (result.jacobian_range[0] > result.jacobian_range[1]) result.jacobian_range = {1, 1};
     return result;
@@ -59,17 +59,15 @@ RegionDeformation region_deformation(const Law& law, const Model& model, Index r
 
 }  // namespace
 
-std::vector<RegionDeformation> region_deformations(const Model& model, TissueLaw law,
+std::vector<RegionDeformation> region_deformations(const SolidModel& model, TissueLaw law,
                                                    const Eigen::VectorXd& displacement) {
-    const std::vector<SolidMaterial> materials = solid_model_of(model, law).materials;
-    std::vector<RegionDeformation> results(materials.size());
-    for (std::size_t r = 0; r < results.size(); ++r) {
-        if (!(model.materials[r].stiffness_kpa > 0)) continue;  // nothing of it is meshed
+    const Points points{model.mesh};
+    std::vector<RegionDeformation> results(model.materials.size());
+    for (std::size_t r = 0; r < results.size(); ++r)
         with_material_law<double>(
-            materials[r].law, materials[r].parameters, [&](const auto& known) {
-                results[r] = region_deformation(known, model, static_cast<Index>(r), displacement);
+            name_of(law), model.materials[r].parameters, [&](const auto& known) {
+                results[r] = region_deformation(known, points, static_cast<Index>(r), displacement);
             });
-    }
     return results;
 }
 

@@ -52,7 +52,7 @@ public:
           observations_(observations),
           options_(options),
           progress_(progress),
-          model_(rest.recovery.model),
+          model_(with_law(rest.recovery.model, law)),
           noise_mm_(mean_noise_mm(observations)) {}
 
     FiniteStrainEstimate run();
@@ -79,7 +79,7 @@ private:
     const SurfaceObservations& observations_;
     const FiniteStrainOptions& options_;
     const ProgressSink& progress_;
-    Model model_;  ///< with the moduli of the estimate
+    SolidModel model_;  ///< with the moduli of the estimate
     FiniteStrainEstimate found_;
     Eigen::VectorXd last_theta_;
     std::vector<IterationRecord> records_;  ///< of all searches
@@ -113,11 +113,10 @@ Equilibrium Rounds::equilibrium_from(const Eigen::VectorXd& start) const {
 /// At the estimate, or as near to it as one is found.
 void Rounds::find_equilibrium() {
     for (std::size_t k = 0; k < rest_.unknowns.size(); ++k)
-        model_.materials[rest_.unknowns[k].object].stiffness_kpa =
-            std::exp(found_.estimate.theta[static_cast<Index>(k)]);
+        set_stiffness(model_, rest_.unknowns[k].object,
+                      std::exp(found_.estimate.theta[static_cast<Index>(k)]));
     found_.solid = std::make_shared<SolidAssembly>(
-        solid_model_of(model_, law_),
-        ElementLoopOptions{options_.solver.backend, options_.solver.device});
+        model_, ElementLoopOptions{options_.solver.backend, options_.solver.device});
     Equilibrium state = equilibrium_from(found_.state.displacement);
     if (!state.converged && found_.state.displacement.size() > 0) state = equilibrium_from({});
     found_.state = std::move(state);
@@ -153,8 +152,8 @@ LinearisationPoint Rounds::point() const {
 void Rounds::take_tangents() {
     const RecoveryModel& recovery = rest_.recovery;
     tangent_at_ = found_.state.displacement;
-    reduced_.emplace(condense_at({name_of(law_), tangent_at_}, model_, recovery.observed,
-                                 recovery.driven, options_.solver, &condensation_),
+    reduced_.emplace(condense_at(tangent_at_, model_, recovery.observed, recovery.driven,
+                                 options_.solver, &condensation_),
                      static_cast<Index>(recovery.observed.size()),
                      static_cast<Index>(recovery.driven.size()), moduli_of(model_), point());
     reach_ = widest_reach;
@@ -163,8 +162,8 @@ void Rounds::take_tangents() {
 /// Near the end the last tangents do as well as new ones, about the new equilibrium.
 void Rounds::move_tangents() {
     const RecoveryModel& recovery = rest_.recovery;
-    reduced_->move_to(point(), region_forces({name_of(law_), found_.state.displacement}, model_,
-                                             recovery.observed, recovery.driven));
+    reduced_->move_to(point(), region_forces(found_.state.displacement, model_, recovery.observed,
+                                             recovery.driven));
 }
 
 /// With the widest reach in which the linearised body is stable.
@@ -253,6 +252,7 @@ void Rounds::close(bool is_done) {
     termination.converged = is_done && termination.converged;
     found_.solver = condensation_.solver;
     found_.solver.reason = "Newton's method at large deformation";
+    found_.loops = found_.solid->loops();
 }
 
 void Rounds::require_equilibrium() const {

@@ -38,6 +38,7 @@ struct FiniteStrainEstimate {
     int rounds = 0;                              ///< linearisations
     double gap_mm = 0;  ///< between equilibrium and linearised model, root mean square
     LinearSolverInfo solver;
+    ElementLoopInfo loops;  ///< of the equilibria
 };
 
 /// The most probable moduli and wall motion of a body at large deformation: linear elasticity

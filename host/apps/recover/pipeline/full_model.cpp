@@ -9,7 +9,7 @@
 
 #include "host/apps/recover/pipeline/mechanics.hpp"
 #include "solver/base/error.hpp"
-#include "solver/model/stiffness_matrix.hpp"
+#include "solver/equilibrium/rest_solver.hpp"
 
 namespace palpate {
 namespace {
@@ -19,16 +19,15 @@ namespace {
 constexpr double response_tolerance_mm = 0.5;
 
 void set_moduli(Recovered& found) {
-    auto& materials = found.recovery.model.materials;
     for (std::size_t k = 0; k < found.estimate.unknown.size(); ++k) {
-        materials[found.estimate.unknown[k].object].stiffness_kpa =
-            std::exp(found.estimate.theta[static_cast<Index>(k)]);
+        set_stiffness(found.recovery.model, found.estimate.unknown[k].object,
+                      std::exp(found.estimate.theta[static_cast<Index>(k)]));
     }
 }
 
 /// f = K u on the host in fp64, kept at prescribed nodes; [num_dofs, columns].
-Columns reactions(const Model& model, const Columns& displacement) {
-    const StiffnessMatrix stiffness = assemble_stiffness(model);
+Columns reactions(const SolidModel& model, const Columns& displacement) {
+    const StiffnessMatrix stiffness = stiffness_at_rest(model);
     Columns force(displacement.rows(), displacement.cols());
     multiply_rows(stiffness, 0, model.mesh.num_nodes(), displacement.data(),
                   static_cast<Index>(displacement.cols()), {}, force.data());
@@ -109,7 +108,7 @@ std::vector<Vec3> resultant_deviations(const Recovered& found,
 
 void solve_full_model(Recovered& found, FullSolver& full_solver, const ProgressSink& progress) {
     set_moduli(found);
-    const Model& model = found.recovery.model;
+    const SolidModel& model = found.recovery.model;
     LinearSolver& solver = full_solver.at(moduli_of(model));
     const auto driven = driven_surfaces(found.recovery);
     Columns solution;

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/recover/pipeline/full_solver.hpp"
-#include "solver/linear/make_linear_solver.hpp"
 
 #include <utility>
 
+#include "solver/equilibrium/rest_solver.hpp"
+
 namespace palpate {
 
-FullSolver::FullSolver(Model model, LinearSolverOptions options, Index num_columns) {
+FullSolver::FullSolver(SolidModel model, LinearSolverOptions options, Index num_columns) {
     options.expected_columns = num_columns;
     set_up_ =
         std::async(std::launch::async, [model = std::move(model), options = std::move(options)] {

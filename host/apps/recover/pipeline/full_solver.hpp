@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solver/linear/linear_solver.hpp"
+#include "solver/model/solid_model.hpp"
 
 namespace palpate {
 
@@ -16,7 +17,7 @@ namespace palpate {
 class FullSolver {
 public:
     /// `num_columns`: right-hand sides to be expected per set of moduli.
-    FullSolver(Model model, LinearSolverOptions options, Index num_columns);
+    FullSolver(SolidModel model, LinearSolverOptions options, Index num_columns);
     /// Waits for the set-up. `kpa`: moduli of all regions [num regions]. Throws what
     /// `make_linear_solver` throws.
     LinearSolver& at(const std::vector<double>& kpa);

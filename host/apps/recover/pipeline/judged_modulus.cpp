@@ -40,16 +40,16 @@ ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Se
 }
 
 /// Ends that the images do not give are the prior's.
-std::array<double, 2> honest_interval(const ModulusEvidence& evidence, const Verdict& verdict,
+std::array<double, 2> honest_interval(const ModulusEvidence& evidence, const Judgement& verdict,
                                       double median_kpa) {
     auto ends = with_prior_ends(evidence.interval_kpa, median_kpa, evidence.prior_sd_ln);
-    if (verdict.verdict == "not identifiable") return ends;
+    if (verdict.verdict == Verdict::not_identifiable) return ends;
     if (evidence.excludes_soft) ends[0] = evidence.interval_kpa[0];
     if (evidence.excludes_stiff) ends[1] = evidence.interval_kpa[1];
     return ends;
 }
 
-void tell(const Verdict& verdict, RegionResult& result) {
+void tell(const Judgement& verdict, RegionResult& result) {
     result.verdict = verdict.verdict;
     result.reason = verdict.reason;
 }
@@ -71,9 +71,9 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
         return tell(not_judged("nested-lbfgs"), result);
     }
     const ModulusEvidence evidence = evidence_of(estimate, k, settings);
-    const Verdict verdict = judge(evidence);
+    const Judgement verdict = judge(evidence);
     result.interval_kpa = honest_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
-    result.sd_ln = verdict.verdict == "not identifiable"
+    result.sd_ln = verdict.verdict == Verdict::not_identifiable
                        ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
                        : evidence.sd_ln;
     tell(verdict, result);

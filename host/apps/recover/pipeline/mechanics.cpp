@@ -20,8 +20,8 @@ std::vector<Unknown> unknown_moduli(const RecoveryModel& recovery, const Reduced
     std::vector<Unknown> unknowns;
     for (const Index region : recovery.unknown) {
         if (!model.has_region(region)) continue;
-        unknowns.push_back({region, std::log(recovery.model.materials[region].stiffness_kpa),
-                            prior.stiffness_sd_ln});
+        unknowns.push_back(
+            {region, std::log(stiffness_kpa(recovery.model, region)), prior.stiffness_sd_ln});
     }
     return unknowns;
 }
@@ -46,12 +46,6 @@ std::vector<Vec3> smooth_normals(const Surface& surface) {
 }
 
 }  // namespace
-
-std::vector<double> moduli_of(const Model& model) {
-    std::vector<double> stiffness;
-    for (const auto& material : model.materials) stiffness.push_back(material.stiffness_kpa);
-    return stiffness;
-}
 
 WallExpectation wall_expectation(const RecoveryModel& recovery, const PriorSettings& prior) {
     WallExpectation expectation;
@@ -100,7 +94,7 @@ Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
             std::move(condensation)};
 }
 
-Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
+Mechanics make_mechanics(const BodyMesh& mesh, const Settings& settings,
                          const LinearSolverOptions& solver, const MechanicsOptions& options,
                          StageTimer& timer, const ProgressSink& progress) {
     timer.start("condensing");

@@ -8,6 +8,7 @@
 #include "host/apps/recover/inverse/response_model.hpp"
 #include "host/apps/recover/inverse/wall_prior.hpp"
 #include "host/apps/recover/modelling/build_model.hpp"
+#include "host/apps/recover/modelling/tissue_law.hpp"
 #include "host/apps/recover/pipeline/stage_timer.hpp"
 #include "solver/condense/condensation.hpp"
 
@@ -27,9 +28,6 @@ struct MechanicsOptions {
     ResponseOptions response;
 };
 
-/// Of all regions, kPa.
-std::vector<double> moduli_of(const Model& model);
-
 /// What is expected of the driven walls' motion, with their places and normals.
 WallExpectation wall_expectation(const RecoveryModel& recovery, const PriorSettings& prior);
 
@@ -41,7 +39,7 @@ Mechanics make_mechanics(RecoveryModel recovery, const PriorSettings& prior,
 
 /// From a mesh in memory to a model that answers for any modulus: node sets, condensation, response
 /// model. Throws what `build_model` and `condense` throw.
-Mechanics make_mechanics(const RegionMesh& mesh, const Settings& settings,
+Mechanics make_mechanics(const BodyMesh& mesh, const Settings& settings,
                          const LinearSolverOptions& solver, const MechanicsOptions& options,
                          StageTimer& timer, const ProgressSink& progress = {});
 

@@ -110,7 +110,7 @@ PlannedInterval Planner::interval(const std::pair<int, int>& targets, const Eige
     evidence.sd_ln = interval.sd_ln;
     evidence.prior_sd_ln = mechanics_.unknowns[unknown].sd;
     evidence.seen_sd_ln = seen_sd(all.seen_information(theta), mechanics_.unknowns)[unknown];
-    interval.is_identifiable = judge(evidence).verdict != "not identifiable";
+    interval.is_identifiable = judge(evidence).verdict != Verdict::not_identifiable;
     return interval;
 }
 

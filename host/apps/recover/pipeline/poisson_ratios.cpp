@@ -8,7 +8,6 @@
 #include <cmath>
 #include <utility>
 
-#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/modelling/regions.hpp"
 #include "host/apps/recover/pipeline/recover_options.hpp"
 
@@ -46,7 +45,7 @@ std::shared_ptr<const Mechanics> with_ratios(const Mechanics& start,
                                              const RecoverOptions& options) {
     RecoveryModel recovery = start.recovery;
     for (std::size_t k = 0; k < regions.size(); ++k) {
-        recovery.model.materials[regions[k]].poisson_ratio = ratios[static_cast<Index>(k)];
+        set_poisson_ratio(recovery.model, regions[k], ratios[static_cast<Index>(k)]);
     }
     StageTimer unused;
     MechanicsOptions finer = options.mechanics;
@@ -71,6 +70,7 @@ private:
     Eigen::VectorXd assumed_ratios() const;
     RatioTrial evaluate(const Eigen::VectorXd& ratios);
     RatioPosterior search(const Eigen::VectorXd& ratios);
+    RatioSearchOptions bounds() const;
     MapEstimate estimate_at(const Mechanics& mechanics) const;
     void report(const RatioTrial& trial) const;
 
@@ -89,7 +89,7 @@ private:
 Eigen::VectorXd RatioSearch::assumed_ratios() const {
     Eigen::VectorXd ratios(regions_.size());
     for (std::size_t k = 0; k < regions_.size(); ++k) {
-        ratios[static_cast<Index>(k)] = start_.recovery.model.materials[regions_[k]].poisson_ratio;
+        ratios[static_cast<Index>(k)] = poisson_ratio(start_.recovery.model, regions_[k]);
     }
     return ratios;
 }
@@ -129,12 +129,16 @@ RatioTrial RatioSearch::evaluate(const Eigen::VectorXd& ratios) {
 
 RatioPosterior RatioSearch::search(const Eigen::VectorXd& ratios) {
     best_mechanics_.reset();
+    return search_ratios([this](const Eigen::VectorXd& trial) { return evaluate(trial); }, ratios,
+                         bounds());
+}
+
+RatioSearchOptions RatioSearch::bounds() const {
     RatioSearchOptions bounds;
     bounds.lowest = options_.settings.prior.poisson_lowest;
     bounds.highest = options_.settings.prior.poisson_highest;
     bounds.first_step = (bounds.highest - bounds.lowest) / 3.0;
-    return search_ratios([this](const Eigen::VectorXd& trial) { return evaluate(trial); }, ratios,
-                         bounds);
+    return bounds;
 }
 
 MapEstimate RatioSearch::estimate_at(const Mechanics& mechanics) const {
@@ -142,18 +146,19 @@ MapEstimate RatioSearch::estimate_at(const Mechanics& mechanics) const {
                         options_.search, progress_);
 }
 
-/// The moduli as uncertain as the ratios make them.
-void widen(MapEstimate& estimate, const RatioPosterior& ratios) {
-    Eigen::MatrixXd spread = ratios.covariance;
-    spread.diagonal().array() += ratio_model_sd * ratio_model_sd;
-    const Eigen::MatrixXd added = ratios.theta_slope * spread * ratios.theta_slope.transpose();
-    estimate.covariance += added;
-    for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
-        const Index row = static_cast<Index>(k);
-        const double sd_ln = std::sqrt(added(row, row));
-        estimate.seen_sd_ln[row] = std::hypot(estimate.seen_sd_ln[row], sd_ln);
-        estimate.interval_kpa[k] =
-            with_further_sd(estimate.interval_kpa[k], std::exp(estimate.theta[row]), sd_ln);
+/// The moduli as uncertain as the ratios make them: mixed over the posterior of each ratio.
+void widen(MapEstimate& estimate, const std::vector<RatioScan>& scans) {
+    for (const RatioScan& scan : scans) {
+        const RatioMixture mixture = mixture_of(scan, ratio_model_sd);
+        const Eigen::MatrixXd added = spread_of(mixture);
+        estimate.covariance += added;
+        for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
+            const Index row = static_cast<Index>(k);
+            const double sd_ln = std::sqrt(added(row, row));
+            estimate.seen_sd_ln[row] = std::hypot(estimate.seen_sd_ln[row], sd_ln);
+            estimate.interval_kpa[k] = mixed_interval(mixture, row, estimate.interval_kpa[k],
+                                                      std::exp(estimate.theta[row]));
+        }
     }
 }
 
@@ -177,8 +182,12 @@ PoissonEstimate RatioSearch::run() {
         is_noise_agreed = is_same_noise(found.estimate.noise_level, held);
         ratios = found.ratios.best.ratios;
     }
-    widen(found.estimate, found.ratios);
-    if (!found.ratios.converged || !is_best_settled_ || !is_noise_agreed) {
+    const bool is_settled = found.ratios.converged && is_best_settled_ && is_noise_agreed;
+    last_ = found.estimate;  // its noise is held
+    widen(found.estimate,
+          scan_ratios([this](const Eigen::VectorXd& trial) { return evaluate(trial); },
+                      found.ratios, bounds()));
+    if (!is_settled) {
         found.estimate.termination.converged = false;
         found.estimate.termination.reason =
             fmt::format("the search of Poisson's ratios did not settle in {} trials; {}", trials_,

@@ -9,26 +9,34 @@
 #include <utility>
 
 #include "host/apps/recover/modelling/regions.hpp"
-#include "host/geometry/meshing/mesh_files.hpp"
+#include "host/geometry/meshing/solid_mesh_file.hpp"
+#include "solver/model/quadratic_mesh.hpp"
 
 namespace palpate {
 namespace {
 
-RegionMesh mesh_of(const RecoverOptions& options, const ReferenceState& reference,
-                   MesherSummary& summary, const ProgressSink& progress) {
+/// Of a mesh of tetrahedra, which has about six edges per node.
+constexpr Index quadratic_nodes_per_corner = 7;
+
+BodyMesh mesh_of(const RecoverOptions& options, const ReferenceState& reference,
+                 MesherSummary& summary, const ProgressSink& progress) {
     const Settings& settings = options.settings;
     if (options.mesh.empty()) {
         MesherOptions mesher = options.mesher;
+        if (options.element == ElementType::tet10) mesher.num_nodes /= quadratic_nodes_per_corner;
         mesher.edge_length_mm = reference.edge_length_mm;
         mesher.outer_edge_length_mm = 4.0 * reference.edge_length_mm;
-        return make_mesh(reference.surface, reference.state.regions, reference.state.field,
-                         hollow_regions(settings), mesher, &summary, progress);
+        return body_mesh(
+            make_mesh(reference.surface, reference.state.regions, reference.state.field,
+                      hollow_regions(settings), mesher, &summary, progress),
+            options.element);
     }
-    const Mesh mesh =
-        with_region_numbers(read_vtu(options.mesh), settings, options.mesh.filename().string());
+    SolidMesh mesh =
+        with_region_numbers(read_solid_mesh(options.mesh, Formulation::solid, "region").mesh,
+                            settings, options.mesh.filename().string());
     summary.mesher = "ready mesh";
-    summary.quality = mesh_quality(mesh, settings.num_regions());
-    return region_mesh_from_tets(mesh, reference.state.field, settings);
+    summary.quality = mesh_quality(corner_mesh_of(mesh), settings.num_regions());
+    return body_mesh(std::move(mesh), reference.state.field, settings, options.element);
 }
 
 }  // namespace
@@ -40,17 +48,17 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
         return maps_of_matched(reference.state.field, options.settings);
     });
     MesherSummary mesher;
-    RegionMesh mesh = mesh_of(options, reference, mesher, progress);
-    report_progress(
-        progress, "meshing", 1,
-        fmt::format("{}: {} nodes, {} elements, smallest dihedral angle {:.1f} deg", mesher.mesher,
-                    mesh.mesh.num_nodes(), mesh.mesh.num_tets(), mesher.quality.min_dihedral_deg));
+    BodyMesh mesh = mesh_of(options, reference, mesher, progress);
+    report_progress(progress, "meshing", 1,
+                    fmt::format("{}: {} nodes, {} {} elements, smallest dihedral angle {:.1f} deg",
+                                mesher.mesher, mesh.mesh.num_nodes(), mesh.mesh.num_elements(),
+                                mesh.mesh.table().name, mesher.quality.min_dihedral_deg));
     auto done = maps.get();
     return prepare_mesh(std::move(reference), std::move(mesh), std::move(mesher), std::move(done),
                         options, timer, progress);
 }
 
-PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, MesherSummary mesher,
+PreparedReference prepare_mesh(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
                                std::vector<DistanceMap> maps, const RecoverOptions& options,
                                StageTimer& timer, const ProgressSink& progress) {
     Mechanics mechanics =

@@ -15,7 +15,7 @@ namespace palpate {
 /// The reference with all that is done once, however many targets there are.
 struct PreparedReference {
     ReferenceState reference;
-    RegionMesh mesh;
+    BodyMesh mesh;
     MesherSummary mesher;
     std::vector<DistanceMap> maps;  ///< of the matched organs
     Mechanics mechanics;
@@ -27,7 +27,7 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
                                     StageTimer& timer, const ProgressSink& progress);
 
 /// The same from a mesh in memory.
-PreparedReference prepare_mesh(ReferenceState reference, RegionMesh mesh, MesherSummary mesher,
+PreparedReference prepare_mesh(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
                                std::vector<DistanceMap> maps, const RecoverOptions& options,
                                StageTimer& timer, const ProgressSink& progress);
 

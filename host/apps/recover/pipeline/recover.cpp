@@ -19,6 +19,11 @@
 namespace palpate {
 namespace {
 
+/// Whether it is of the run, not of one target: the mesher, which has a limit of its own, is done.
+bool ends_all(const Error& error) {
+    return error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit;
+}
+
 void add_warnings(const char* which, const LabelledState& state, RecoveryResult& result) {
     for (const std::string& warning : state.warnings)
         result.warnings.push_back(fmt::format("{}: {}", which, warning));
@@ -45,6 +50,7 @@ RecoveryResult recover_target(const PreparedReference& prepared, TargetState& ta
     const LinearSolverInfo& condensing = prepared.mechanics.condensation.solver;
     if (!condensing.reason.empty()) result.linear_solvers.push_back({"condensing", condensing});
     result.linear_solvers.push_back({"solving", found.solver});
+    if (found.finite) result.element_loops = found.finite->loops;
     result.timings_s = timer.times_s();
     return result;
 }
@@ -87,7 +93,7 @@ PreparedReference finish_reference(ReferenceState state, std::optional<SavedRefe
     report_progress(
         progress, "loading", 1,
         fmt::format("{}: {} nodes, {} elements, {} wall motions, {} surface modes", name,
-                    prepared.mesh.mesh.num_nodes(), prepared.mesh.mesh.num_tets(),
+                    prepared.mesh.mesh.num_nodes(), prepared.mesh.mesh.num_elements(),
                     mechanics.response.num_functionals(), mechanics.response.num_modes()));
     return prepared;
 }
@@ -141,7 +147,7 @@ void join(JointTargets targets, const RecoverOptions& options, const JointSink& 
         result.regions =
             joint_estimate(targets.searched, options.settings, options.search, progress);
     } catch (const Error& error) {
-        if (error.code() == ErrorCode::cancelled) throw;
+        if (ends_all(error)) throw;
         result.failure = error.what();
     }
     timer.stop();
@@ -160,6 +166,15 @@ std::vector<std::string> repetitions(const Segmentation& reference,
                 found[k] = fmt::format("has the labels of target {}", other + 1);
     }
     return found;
+}
+
+void check_options(const RecoverOptions& options) {
+    check_unknown_ratios(options);
+    check_tissue_law(options);
+    if (options.method == SearchMethod::nested_lbfgs && options.element != ElementType::tet4)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--method nested-lbfgs takes tet4, not {}; use --method map",
+                                element_table(options.element).name));
 }
 
 /// Brings the targets into the frame of the reference, whose surfaces are known by then.
@@ -195,7 +210,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
             tell.result(k, std::move(result), seconds);
             if (joint.problem) together.add(k, std::move(joint), converged, repeats[k]);
         } catch (const Error& error) {
-            if (!tell.failed || error.code() == ErrorCode::cancelled) throw;
+            if (!tell.failed || ends_all(error)) throw;
             tell.failed(k, error);
         }
     }
@@ -208,8 +223,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
 void recover_all(const Segmentation& reference, const std::vector<Segmentation>& targets,
                  const RecoverOptions& options, const TargetSinks& tell,
                  const ProgressSink& progress) {
-    check_unknown_ratios(options);
-    check_tissue_law(options);
+    check_options(options);
     StageTimer timer;
     timer.start("reading");
     std::optional<SavedReference> saved = read_saved(options, progress);
@@ -231,8 +245,7 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
 
 RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
                        const RecoverOptions& options, const ProgressSink& progress) {
-    check_unknown_ratios(options);
-    check_tissue_law(options);
+    check_options(options);
     check_partial_target(target, options);
     StageTimer timer;
     timer.start("reading");

@@ -32,9 +32,9 @@ struct TargetSinks {
     JointSink joint = {};     ///< empty: no joint estimate
 };
 
-/// The main job: two segmentations in, moduli, forces, field and error bars out (style.md section
-/// 1). Throws Error with the codes of each station, Error(invalid_argument) for options that do not
-/// go together; not converging is reported in the result.
+/// The main job: two segmentations in, moduli, forces, field and error bars out. Throws
+/// Error with the codes of each station, Error(invalid_argument) for options that do not go
+/// together; not converging is reported in the result.
 RecoveryResult recover(const Segmentation& reference, const Segmentation& target,
                        const RecoverOptions& options, const ProgressSink& progress = {});
 

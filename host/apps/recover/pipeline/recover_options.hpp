@@ -13,6 +13,7 @@
 #include "host/apps/recover/pipeline/mechanics.hpp"
 #include "host/apps/recover/result/landmark.hpp"
 #include "host/geometry/meshing/mesher.hpp"
+#include "solver/elements/element.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
@@ -26,6 +27,9 @@ enum class SearchMethod {
 struct RecoverOptions {
     Settings settings;
     MesherOptions mesher;
+    /// tet4 or tet10; `mesher.num_nodes` counts mid-side nodes, too. A ready mesh of tet10 stays
+    /// so.
+    ElementType element = ElementType::tet4;
     std::filesystem::path mesh;  ///< ready mesh (.vtu with `region` labels) or empty
     AlignMethod align = AlignMethod::automatic;  ///< fixed organs if there are any, else centroids
     std::filesystem::path

@@ -21,7 +21,6 @@ namespace palpate {
 /// Everything the search leaves behind, before it is put into words and pictures.
 struct Recovered {
     AlignmentResult alignment;
-    RegionMesh mesh;
     MesherSummary mesher;
     RecoveryModel recovery;
     std::vector<std::shared_ptr<const TargetShape>> target;  ///< as in ObservedShapes

@@ -25,8 +25,9 @@ std::vector<std::vector<Vec3>> fixed_points(const RegionSurface& surface,
     return points;
 }
 
-/// Edge length that puts about a third of the wanted nodes on organ surfaces.
-double edge_length_for(const RegionImage& image, Index num_nodes) {
+/// Edge length that puts about a third of the wanted nodes on organ surfaces. With a node in the
+/// middle of each edge too, nodes lie half as far apart as edges are long.
+double edge_length_for(const RegionImage& image, Index num_nodes, ElementType element) {
     const auto& size = image.grid.size;
     const Vec3& h = image.grid.spacing;
     const std::array<double, 3> face{h[1] * h[2], h[0] * h[2], h[0] * h[1]};
@@ -42,7 +43,8 @@ double edge_length_for(const RegionImage& image, Index num_nodes) {
         }
     }
     const double smooth_area = area / 1.5;  // voxel faces overrate a sphere by 3/2
-    return std::sqrt(smooth_area / (0.866 * 0.35 * num_nodes));
+    const double node_distance = std::sqrt(smooth_area / (0.866 * 0.35 * num_nodes));
+    return element == ElementType::tet10 ? 2 * node_distance : node_distance;
 }
 
 }  // namespace
@@ -52,7 +54,7 @@ ReferenceState make_reference(LabelledState state, const RecoverOptions& options
     ReferenceState reference{std::move(state), 0, {}, {}};
     SurfaceOptions surface_options;
     surface_options.edge_length_mm =
-        edge_length_for(reference.state.regions, options.mesher.num_nodes);
+        edge_length_for(reference.state.regions, options.mesher.num_nodes, options.element);
     surface_options.outer_edge_length_mm = 4.0 * surface_options.edge_length_mm;
     report_progress(progress, "surfaces", 0,
                     fmt::format("edge length {:.2f} mm", surface_options.edge_length_mm));

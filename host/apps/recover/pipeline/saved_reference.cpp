@@ -18,6 +18,7 @@ namespace {
 std::string settings_that_matter(Settings settings) {
     settings.prior.noise_voxels = PriorSettings{}.noise_voxels;
     settings.prior.contour_sd_mm = PriorSettings{}.contour_sd_mm;
+    settings.prior.drawn_by_slice = PriorSettings{}.drawn_by_slice;
     return to_toml(settings);
 }
 
@@ -97,13 +98,17 @@ bool all_lists_below(const std::vector<List>& lists, std::size_t limit) {
                        [&](const List& numbers) { return all_below(numbers, limit); });
 }
 
-bool is_sound(const RegionMesh& mesh, std::size_t num_regions) {
-    const auto& [tets, surface] = mesh;
-    const std::size_t num_vertices = std::min(surface.vertices.size(), tets.nodes.size());
+bool is_known(ElementType type) { return type == ElementType::tet4 || type == ElementType::tet10; }
+
+bool is_sound(const BodyMesh& mesh, std::size_t num_regions) {
+    const auto& [body, surface] = mesh;
+    const std::size_t num_vertices = std::min(surface.vertices.size(), body.nodes.size());
     const std::size_t num_triangles = surface.triangles.size();
-    return tets.region.size() == tets.tets.size() && surface.regions.size() == num_triangles &&
+    return is_known(body.type) &&
+           body.elements.size() == body.region.size() * body.table().num_nodes &&
+           surface.regions.size() == num_triangles &&
            surface.on_image_border.size() == num_triangles &&
-           all_lists_below(tets.tets, tets.nodes.size()) && all_below(tets.region, num_regions) &&
+           all_below(body.elements, body.nodes.size()) && all_below(body.region, num_regions) &&
            all_lists_below(surface.triangles, num_vertices) &&
            all_lists_below(surface.regions, num_regions);
 }

@@ -33,7 +33,7 @@ struct SavedReference {
     std::string name;  ///< of the file, for messages
     ReferenceFingerprint made_from;
     std::vector<std::vector<Vec3>> fixed_points;  ///< as in ReferenceState
-    RegionMesh mesh;
+    BodyMesh mesh;
     MesherSummary mesher;
     SparseEntries wall_precision;  ///< [driven nodes, driven nodes] per mm^2, of one component
     ResponseModel::Parts response;

@@ -20,7 +20,7 @@ constexpr FileMark file_mark{'P', 'A', 'L', 'P', 'R', 'E', 'D', '\n'};
 struct Header {
     FileMark mark = file_mark;
     std::uint32_t byte_order = 0x01020304;
-    std::uint32_t format = 1;  ///< count up whenever the content changes
+    std::uint32_t format = 2;  ///< count up whenever the content changes
     std::uint64_t content_bytes = 0;
     std::uint64_t content_hash = 0;
 };
@@ -40,8 +40,8 @@ void visit(Stream& stream, ReferenceFingerprint& made_from) {
 }
 
 template <typename Stream>
-void visit(Stream& stream, RegionMesh& mesh) {
-    stream(mesh.mesh.nodes, mesh.mesh.tets, mesh.mesh.region);
+void visit(Stream& stream, BodyMesh& mesh) {
+    stream(mesh.mesh.type, mesh.mesh.nodes, mesh.mesh.elements, mesh.mesh.region);
     stream(mesh.surface.vertices, mesh.surface.triangles, mesh.surface.regions,
            mesh.surface.on_image_border);
 }

@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-std::vector<std::uint8_t> seen_nodes(const Mesh& mesh, const TargetState& target) {
+std::vector<std::uint8_t> seen_nodes(const SolidMesh& mesh, const TargetState& target) {
     std::vector<std::uint8_t> seen(mesh.nodes.size());
     std::transform(mesh.nodes.begin(), mesh.nodes.end(), seen.begin(),
                    [&](const Vec3& node) { return in_field_of_view(target, node); });
@@ -90,19 +90,21 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
     const Mechanics& mechanics = prepared.mechanics;
     Recovered found;
     found.alignment = target.alignment;
-    found.mesh = prepared.mesh;
     found.mesher = prepared.mesher;
     found.recovery = mechanics.recovery;
 
     timer.start("distances");
     found.target = shapes.get();
     const SurfaceObservations observations(
-        found.recovery, observed_shapes(prepared, found), seen_nodes(found.mesh.mesh, target),
+        found.recovery, observed_shapes(prepared, found),
+        seen_nodes(found.recovery.model.mesh, target),
         observation_options(options.settings, prepared.reference.state, target));
     check_anything_seen(observations, found.recovery);
     RecoverOptions with_contours = options;
     if (const auto& sd_mm = options.settings.prior.contour_sd_mm)
         with_contours.search.contour_mm = *sd_mm * contour_images(target);
+    if (const auto by_slice = options.settings.prior.drawn_by_slice)
+        with_contours.search.slice_share = *by_slice ? 1.0 : 0.0;
     search_model(found, mechanics, *prepared.full_solver, observations, with_contours, timer,
                  progress);
     if (!found.estimate.frame.isZero(0))

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "host/page/markup.hpp"
+#include "host/page/solver_figures.hpp"
 
 namespace palpate {
 namespace {
@@ -24,7 +25,11 @@ std::string interval_text(const RegionResult& r) {
                        significant(r.interval_kpa[1]));
 }
 
-bool is_observed(const SurfaceResult& s) { return s.role == "tissue" || s.role == "driven"; }
+bool is_observed(const SurfaceResult& s) {
+    return s.role == Role::tissue || s.role == Role::driven;
+}
+
+bool is_grey(const RegionResult& r) { return r.role == Role::fixed || r.role == Role::background; }
 
 }  // namespace
 
@@ -38,10 +43,10 @@ std::string region_colour(const RecoveryResult& result, Index region) {
     std::size_t position = 0;
     for (const RegionResult& r : result.regions) {
         if (r.region == region) {
-            if (r.role == "fixed" || r.role == "background") return neutral_colour;
+            if (is_grey(r)) return neutral_colour;
             return list_colour(position);
         }
-        if (r.role != "fixed" && r.role != "background") ++position;
+        if (!is_grey(r)) ++position;
     }
     return neutral_colour;
 }
@@ -57,14 +62,14 @@ const RegionResult* reference_tissue(const RecoveryResult& result) {
     const RegionResult* best = nullptr;
     for (const RegionResult& r : result.regions) {
         if (r.hollow || r.unknown || !(r.stiffness_kpa > 0)) continue;
-        if (r.role == "background") return &r;
+        if (r.role == Role::background) return &r;
         if (!best) best = &r;
     }
     return best;
 }
 
 std::string finding_sentence(const RecoveryResult& result, const RegionResult& r) {
-    if (r.verdict == "not identifiable")
+    if (r.verdict == Verdict::not_identifiable)
         return fmt::format("The stiffness of {} cannot be told from these images.{}", r.name,
                            as_sentence(r.reason));
     std::string text =
@@ -73,16 +78,16 @@ std::string finding_sentence(const RecoveryResult& result, const RegionResult& r
         text += fmt::format(", {} times {} ({} kPa, given)",
                             significant(r.stiffness_kpa / known->stiffness_kpa), known->name,
                             significant(known->stiffness_kpa));
-    return text + fmt::format(". Verdict: {}.{}", r.verdict, as_sentence(r.reason));
+    return text + fmt::format(". Verdict: {}.{}", name_of(r.verdict), as_sentence(r.reason));
 }
 
 std::string ratio_sentence(const RegionResult& r) {
-    if (r.ratio->verdict == "not identifiable")
+    if (r.ratio->verdict == Verdict::not_identifiable)
         return fmt::format("Poisson's ratio of {} cannot be told from these images.{}", r.name,
                            as_sentence(r.ratio->reason));
     return fmt::format("Poisson's ratio of {}: {} ({} to {}). Verdict: {}.{}", r.name,
                        decimals(r.poisson_ratio, 2), decimals(r.ratio->interval[0], 2),
-                       decimals(r.ratio->interval[1], 2), r.ratio->verdict,
+                       decimals(r.ratio->interval[1], 2), name_of(r.ratio->verdict),
                        as_sentence(r.ratio->reason));
 }
 
@@ -148,9 +153,14 @@ std::string contours_sentence(const RecoveryResult& result) {
     const char* whose = contours.images == 2 ? "of each image" : "of the reference";
     if (contours.is_given && contours.sd_mm == 0)
         return fmt::format("The contours {} were given to be exact.", whose);
-    return fmt::format("The contours {} {} {} mm off, smoothly along some {} mm.", whose,
+    const std::string smoothly =
+        fmt::format("smoothly along some {} mm", significant(contours.length_mm));
+    const char* how = contours.slice_share == 0  ? ""
+                      : contours.slice_share < 1 ? ", in part slice by slice"
+                                                 : ", slice by slice";
+    return fmt::format("The contours {} {} {} mm off, {}{}.", whose,
                        contours.is_given ? "were given to be" : "seem to be",
-                       decimals(contours.sd_mm, 2), significant(contours.length_mm));
+                       decimals(contours.sd_mm, 2), smoothly, how);
 }
 
 std::string law_sentence(const RecoveryResult& result) {
@@ -162,10 +172,7 @@ std::string law_sentence(const RecoveryResult& result) {
 std::string linear_solvers_text(const RecoveryResult& result) {
     std::string text;
     for (const auto& [stage, solver] : result.linear_solvers)
-        text +=
-            fmt::format("{}{}: {}{} on {} ({})", text.empty() ? "" : "; ", stage,
-                        name_of(solver.method), solver.library.empty() ? "" : ", " + solver.library,
-                        solver.device.device, solver.reason);
+        text += (text.empty() ? "" : "; ") + stage + ": " + solver_text(solver);
     return text;
 }
 

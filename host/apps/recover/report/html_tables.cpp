@@ -9,7 +9,10 @@
 #include <numbers>
 
 #include "host/apps/recover/report/findings.hpp"
+#include "host/apps/recover/report/recovery_tree.hpp"
+#include "host/page/figure_html.hpp"
 #include "host/page/markup.hpp"
+#include "host/page/tree_table.hpp"
 
 namespace palpate {
 namespace {
@@ -19,52 +22,12 @@ std::string swatch(const RecoveryResult& result, Index region) {
                        region_colour(result, region));
 }
 
-std::string interval_cell(const RegionResult& r) {
-    return significant(r.interval_kpa[0]) + " – " + significant(r.interval_kpa[1]);
-}
-
-std::string ratio_interval_text(const RatioResult& ratio) {
-    return decimals(ratio.interval[0], 2) + " – " + decimals(ratio.interval[1], 2);
-}
-
 std::string ratio_text(const RecoveryResult& result, const RegionResult& r) {
     const RegionResult* known = reference_tissue(result);
     if (!known) return "";
     return fmt::format("<p>{} × {} ({} kPa, given)</p>",
                        significant(r.stiffness_kpa / known->stiffness_kpa),
                        escape_html(known->name), significant(known->stiffness_kpa));
-}
-
-std::string finding_card(const RecoveryResult& result, const RegionResult& r) {
-    std::string out = fmt::format("<article class='finding' style='--organ:{}'><h3>{}</h3>",
-                                  region_colour(result, r.region), escape_html(r.name));
-    if (r.verdict == "not identifiable")
-        out += "<p class='value'>–</p>";
-    else
-        out +=
-            fmt::format("<p class='value'>{} <small>kPa</small></p><p>95 % interval {} kPa</p>{}",
-                        significant(r.stiffness_kpa), interval_cell(r), ratio_text(result, r));
-    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>", verdict_chip(r.verdict),
-                             escape_html(r.reason));
-}
-
-std::string ratio_card(const RecoveryResult& result, const RegionResult& r) {
-    std::string out =
-        fmt::format("<article class='finding' style='--organ:{}'><h3>{}, Poisson's ratio</h3>",
-                    region_colour(result, r.region), escape_html(r.name));
-    if (r.ratio->verdict == "not identifiable")
-        out += "<p class='value'>–</p>";
-    else
-        out += fmt::format("<p class='value'>{}</p><p>95 % interval {}</p>",
-                           decimals(r.poisson_ratio, 2), ratio_interval_text(*r.ratio));
-    return out + fmt::format("<p>{}</p><p class='reason'>{}</p></article>",
-                             verdict_chip(r.ratio->verdict), escape_html(r.ratio->reason));
-}
-
-std::string ratio_cell(const RegionResult& r) {
-    if (r.hollow) return "–";
-    const std::string value = decimals(r.poisson_ratio, 2);
-    return r.ratio ? value + " (" + ratio_interval_text(*r.ratio) + ")" : value;
 }
 
 /// "−12 to +8 %".
@@ -102,14 +65,6 @@ std::string deformation_table(const RecoveryResult& result) {
 std::string before_after_cells(double before, double after, int digits) {
     return fmt::format("<td class='num from'>{}</td><td class='num'>{}</td>",
                        decimals_or_dash(before, digits), decimals_or_dash(after, digits));
-}
-
-std::string facts(const std::vector<std::pair<std::string, std::string>>& rows) {
-    std::string out = "<dl>";
-    for (const auto& [name, value] : rows)
-        if (!value.empty())
-            out += fmt::format("<dt>{}</dt><dd>{}</dd>", escape_html(name), escape_html(value));
-    return out + "</dl>";
 }
 
 std::string alignment_text(const AlignmentResult& a) {
@@ -169,19 +124,11 @@ std::string number_cells(const std::vector<double>& values) {
 
 }  // namespace
 
-std::string verdict_chip(const std::string& verdict) {
-    const std::string kind = verdict == "recovered"          ? "good"
-                             : verdict == "weak"             ? "weak"
-                             : verdict == "not identifiable" ? "bad"
-                                                             : "plain";
-    return fmt::format("<span class='chip {}'>{}</span>", kind, escape_html(verdict));
-}
-
 std::string headline_html(const RecoveryResult& result) {
     std::vector<std::string> parts;
     for (const RegionResult& r : result.regions) {
         if (!r.unknown) continue;
-        parts.push_back(r.verdict == "not identifiable"
+        parts.push_back(r.verdict == Verdict::not_identifiable
                             ? r.name + " not identifiable"
                             : r.name + " " + significant(r.stiffness_kpa) + " kPa");
     }
@@ -192,12 +139,22 @@ std::string headline_html(const RecoveryResult& result) {
 }
 
 std::string findings_html(const RecoveryResult& result) {
-    std::string out;
-    for (const RegionResult& r : result.regions)
-        if (r.unknown) out += finding_card(result, r);
-    for (const RegionResult& r : result.regions)
-        if (r.ratio) out += ratio_card(result, r);
-    return out;
+    const ResultTree regions = regions_tree(result.regions);
+    const auto card = [&](std::size_t k, const char* name, const std::string& heading_html,
+                          const std::string& note_html) {
+        return estimate_card(*find_figure(regions, fmt::format("{}/{}", k, name)), heading_html,
+                             region_colour(result, result.regions[k].region), note_html);
+    };
+    std::string moduli, ratios;
+    for (std::size_t k = 0; k < result.regions.size(); ++k) {
+        const RegionResult& r = result.regions[k];
+        if (r.unknown)
+            moduli += card(k, "stiffness_kpa", escape_html(r.name), ratio_text(result, r));
+        if (r.ratio)
+            ratios +=
+                card(k, "searched_poisson_ratio", escape_html(r.name) + ", Poisson's ratio", "");
+    }
+    return moduli + ratios;
 }
 
 std::string notices_html(const RecoveryResult& result) {
@@ -213,20 +170,20 @@ std::string notices_html(const RecoveryResult& result) {
 }
 
 std::string regions_table_html(const RecoveryResult& result) {
-    std::string out =
-        "<div class='scroll'><table><thead><tr><th>Region</th><th class='num'>Label"
-        "</th><th>Role</th><th class='num'>E, kPa</th><th class='num'>95 % interval, "
-        "kPa</th><th class='num'>Poisson's ratio</th><th>Verdict</th></tr></thead>"
-        "<tbody>";
-    for (const RegionResult& r : result.regions)
-        out += fmt::format(
-            "<tr><td>{}{}</td><td class='num'>{}</td><td>{}</td><td class='num'>{}"
-            "</td><td class='num'>{}</td><td class='num'>{}</td><td>{}</td></tr>",
-            swatch(result, r.region), escape_html(r.name), r.label,
-            escape_html(r.role + (r.hollow ? ", hollow" : "")),
-            r.hollow ? "–" : significant(r.stiffness_kpa), r.unknown ? interval_cell(r) : "–",
-            ratio_cell(r), verdict_chip(r.verdict));
-    return out + "</tbody></table></div>" + deformation_table(result);
+    const ResultTree regions = regions_tree(result.regions);
+    TreeTable table =
+        table_of(regions, {"name", "label", "role", "poisson_ratio", "stiffness_kpa"});
+    for (std::size_t k = 0; k < table.lines.size(); ++k)
+        if (const Figure* searched = find_figure(*table.parts[k], "searched_poisson_ratio");
+            searched->is_estimate())
+            table.lines[k][table.column("Poisson's ratio")] +=
+                " (" + shown_interval(*searched, " – ") + ")";
+    const auto mark = [&](const ResultTree& part) {
+        const auto at = std::find_if(result.regions.begin(), result.regions.end(),
+                                     [&](const RegionResult& r) { return r.name == part.name; });
+        return swatch(result, at->region);
+    };
+    return table.html(mark) + deformation_table(result);
 }
 
 /// Size of the force with its 95 % interval along its own direction, N.
@@ -259,7 +216,7 @@ std::string surfaces_table_html(const RecoveryResult& result) {
             before_after_cells(s.mean_distance_mm_before, s.mean_distance_mm_after, 2),
             before_after_cells(s.hausdorff95_mm_before, s.hausdorff95_mm_after, 2),
             before_after_cells(s.max_distance_mm_before, s.max_distance_mm_after, 2),
-            s.role == "driven" ? force_cell(s) : "–");
+            s.role == Role::driven ? force_cell(s) : "–");
     }
     out += "</tbody></table></div>";
     if (any_cut)
@@ -307,24 +264,25 @@ std::string sensitivity_table_html(const RecoveryResult& result) {
 std::string details_html(const RecoveryResult& result) {
     const MesherSummary& m = result.mesher;
     const ImageGrid& grid = result.reference_labels.grid;
-    std::string out = "<div class='columns'><div>";
-    out +=
-        facts({{"Rigid alignment", alignment_text(result.alignment)},
-               {"Tissue", law_sentence(result)},
-               {"Search", termination_sentence(result)},
-               {"Contours", contours_sentence(result)},
-               {"Residual of the final solve", fmt::format("{:.1e}", result.full_model_residual)},
-               {"Mesh", fmt::format("{} nodes, {} tetrahedra, smallest dihedral angle {}°",
-                                    result.mesh.mesh.num_nodes(), result.mesh.mesh.num_tets(),
-                                    decimals(m.quality.min_dihedral_deg, 1))},
-               {"Mesher", m.mesher + (m.fallback.empty() ? "" : "; " + m.fallback)},
-               {"Grid", fmt::format("{} × {} × {} voxels of {} × {} × {} mm", grid.size[0],
-                                    grid.size[1], grid.size[2], significant(grid.spacing[0]),
-                                    significant(grid.spacing[1]), significant(grid.spacing[2]))},
-               {"Computed by", device_text(result.device)},
-               {"Linear solvers", linear_solvers_text(result)},
-               {"Note", result.seed_note}});
-    return out + "</div><div>" + timings_table(result) + "</div></div>";
+    std::vector<std::pair<std::string, std::string>> facts = {
+        {"Rigid alignment", alignment_text(result.alignment)},
+        {"Tissue", law_sentence(result)},
+        {"Search", termination_sentence(result)},
+        {"Contours", contours_sentence(result)},
+        {"Residual of the final solve", fmt::format("{:.1e}", result.full_model_residual)},
+        {"Mesh", fmt::format("{} nodes, {} tetrahedra ({}), smallest dihedral angle {}°",
+                             result.mesh.num_nodes(), result.mesh.num_elements(),
+                             result.mesh.table().name, decimals(m.quality.min_dihedral_deg, 1))},
+        {"Mesher", m.mesher + (m.fallback.empty() ? "" : "; " + m.fallback)},
+        {"Grid", fmt::format("{} × {} × {} voxels of {} × {} × {} mm", grid.size[0], grid.size[1],
+                             grid.size[2], significant(grid.spacing[0]),
+                             significant(grid.spacing[1]), significant(grid.spacing[2]))},
+        {"Computed by", device_text(result.device)},
+        {"Linear solvers", linear_solvers_text(result)},
+        {"Note", result.seed_note}};
+    for (auto& row : titled_rows(recovery_tree(result))) facts.push_back(std::move(row));
+    return "<div class='columns'><div>" + facts_html(facts) + "</div><div>" +
+           timings_table(result) + "</div></div>";
 }
 
 }  // namespace palpate

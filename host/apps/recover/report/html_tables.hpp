@@ -9,8 +9,6 @@
 namespace palpate {
 
 /// Pieces of the report page as HTML; every text from outside is escaped.
-/// "recovered", "weak", ... as a coloured label.
-std::string verdict_chip(const std::string& verdict);
 std::string headline_html(const RecoveryResult& result);  ///< the answer in a few words
 std::string findings_html(const RecoveryResult& result);  ///< one card per unknown modulus
 std::string notices_html(const RecoveryResult& result);   ///< not converged, warnings

@@ -49,7 +49,7 @@ using LabelTable = std::vector<std::uint8_t>;  ///< by file label
 LabelTable label_table(const RecoveryResult& result, std::vector<Index>& regions) {
     LabelTable table(65536, 0);
     for (const RegionResult& r : result.regions) {
-        if (r.role == "background" || r.label <= 0 || r.label > 65535 || regions.size() > 253)
+        if (r.role == Role::background || r.label <= 0 || r.label > 65535 || regions.size() > 253)
             continue;
         regions.push_back(r.region);
         table[r.label] = static_cast<std::uint8_t>(regions.size());
@@ -142,7 +142,7 @@ Vec3 centre_of_interest(const RecoveryResult& result, const LabelTable& table,
         for (std::size_t v = 0; v < regions.size(); ++v)
             if (regions[v] == r.region) {
                 unknown[v + 1] = r.unknown;
-                moves[v + 1] = r.role != "fixed";
+                moves[v + 1] = r.role != Role::fixed;
             }
     for (const auto& wanted : {unknown, moves, std::vector<bool>(regions.size() + 1, true)}) {
         Vec3 sum = Vec3::Zero();

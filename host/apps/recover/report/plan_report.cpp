@@ -45,4 +45,26 @@ std::string plan_table(const std::vector<PlanRow>& rows) {
     return table.text();
 }
 
+ResultTree plan_tree(const std::vector<PlanRow>& rows, double motion_mm, double contour_mm) {
+    ResultTree tree = ResultTree::of("plan", {{"format", "palpate-plan"},
+                                              {"format_version", 1},
+                                              {"motion_mm", motion_mm},
+                                              {"contour_sd_mm", contour_mm}});
+    ResultTree& list = tree.add_part("regions", ResultTree::Shape::list);
+    for (const PlanRow& row : rows) {
+        ResultTree part = ResultTree::of(
+            row.region,
+            {{"name", row.region}, {"supposed_kpa", row.supposed_kpa}, {"moved_mm", row.moved_mm}});
+        ResultTree& intervals = part.add_part("intervals", ResultTree::Shape::list);
+        for (const PlannedInterval& interval : row.intervals)
+            intervals.add(ResultTree::of("", {{"targets_fuller", interval.fuller},
+                                              {"targets_emptier", interval.emptier},
+                                              {"sd_ln_stiffness", interval.sd_ln},
+                                              {"factor_95", interval_factor(interval)},
+                                              {"identifiable", interval.is_identifiable}}));
+        list.add(std::move(part));
+    }
+    return tree;
+}
+
 }  // namespace palpate

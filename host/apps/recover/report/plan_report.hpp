@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/page/result_tree.hpp"
+
 namespace palpate {
 
 /// What a set of targets would tell of one modulus.
@@ -28,5 +30,8 @@ double interval_factor(const PlannedInterval& interval);
 
 /// For a terminal: a line for each row, a column for each set of targets. Ends with a newline.
 std::string plan_table(const std::vector<PlanRow>& rows);
+
+/// The same for programs, with what was supposed of the walls and of the contours.
+ResultTree plan_tree(const std::vector<PlanRow>& rows, double motion_mm, double contour_mm);
 
 }  // namespace palpate

@@ -5,12 +5,13 @@
 #include <future>
 
 #include "host/apps/recover/report/html_report.hpp"
-#include "host/apps/recover/report/json_report.hpp"
+#include "host/apps/recover/report/recovery_tree.hpp"
 #include "host/apps/recover/report/text_report.hpp"
 #include "host/apps/recover/report/vtk_report.hpp"
 #include "host/io/files.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/io/volume_files.hpp"
+#include "host/page/tree_json.hpp"
 
 namespace palpate {
 namespace fs = std::filesystem;
@@ -45,8 +46,9 @@ void write_result(const RecoveryResult& result, const fs::path& folder,
         auto backward = std::async(std::launch::async, [&] {
             write_fields(inside, backward_field, result.inverse_displacement_field, options.fields);
         });
-        write_text_file(inside / "result.json",
-                        json_report(result, options.include_file_names, options.fields));
+        write_text_file(
+            inside / "result.json",
+            tree_json(recovery_tree(result, options.include_file_names, options.fields)));
         write_text_file(inside / "convergence.csv", convergence_csv(result));
         write_text_file(inside / "report.html", html_report(result, options.include_file_names,
                                                             options.images, options.fields));

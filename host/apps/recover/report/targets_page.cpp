@@ -11,6 +11,7 @@
 #include "host/apps/recover/report/findings.hpp"
 #include "host/apps/recover/report/html_tables.hpp"
 #include "host/page/assets.hpp"
+#include "host/page/figure_html.hpp"
 #include "host/page/interval_chart.hpp"
 #include "host/page/markup.hpp"
 
@@ -25,7 +26,7 @@ const TargetRow* joint_of(const std::vector<TargetRow>& rows) {
     return nullptr;
 }
 
-bool is_known(const RegionResult& region) { return region.verdict != "not identifiable"; }
+bool is_known(const RegionResult& region) { return region.verdict != Verdict::not_identifiable; }
 
 /// Regions in the order in which rows name them first.
 std::vector<std::string> region_names(const std::vector<TargetRow>& rows) {
@@ -67,7 +68,7 @@ std::string cells_of(const RegionResult& region) {
                        escape_html(region.name),
                        is_known(region) ? significant(region.stiffness_kpa) : "–",
                        significant(region.interval_kpa[0]), significant(region.interval_kpa[1]),
-                       verdict_chip(region.verdict));
+                       verdict_chip(name_of(region.verdict)));
 }
 
 std::string name_cell(const TargetRow& row, std::size_t lines) {

@@ -22,8 +22,13 @@ std::vector<RegionResult> listed_regions(const TargetRow& row) {
     RegionResult region;
     region.stiffness_kpa = none;
     region.interval_kpa = {none, none};
-    region.verdict = row.converged ? "" : "failed";
     return {region};
+}
+
+/// The verdict in words; of a row without regions, whether it failed.
+std::string verdict_words(const TargetRow& row, const RegionResult& region) {
+    if (!row.unknown.empty()) return name_of(region.verdict);
+    return row.converged ? "" : "failed";
 }
 
 bool lists_ratios(const std::vector<TargetRow>& rows) {
@@ -41,7 +46,7 @@ void add_ratio_cells(const RegionResult& region, std::vector<std::string>& cells
     cells.push_back(decimals(region.poisson_ratio, 2));
     cells.push_back(fmt::format("{} to {}", decimals(region.ratio->interval[0], 2),
                                 decimals(region.ratio->interval[1], 2)));
-    cells.push_back(region.ratio->verdict);
+    cells.push_back(name_of(region.ratio->verdict));
 }
 
 /// ",ratio,low,high,verdict" of a ratio that was searched, else as many empty cells.
@@ -49,7 +54,7 @@ std::string ratio_csv(const RegionResult& region) {
     if (!region.ratio) return ",,,,";
     return fmt::format(",{},{},{},{}", csv_number(region.poisson_ratio),
                        csv_number(region.ratio->interval[0]), csv_number(region.ratio->interval[1]),
-                       csv_text(region.ratio->verdict));
+                       csv_text(name_of(region.ratio->verdict)));
 }
 
 std::string without_endings(const std::filesystem::path& file) {
@@ -103,9 +108,9 @@ std::string targets_table(const std::vector<TargetRow>& rows) {
         for (const RegionResult& r : listed_regions(row)) {
             const std::string interval = fmt::format("{} to {}", significant(r.interval_kpa[0]),
                                                      significant(r.interval_kpa[1]));
-            std::vector<std::string> cells{
-                harmless(row.name), harmless(r.name), significant(r.stiffness_kpa),
-                interval,           r.verdict,        decimals(row.seconds, 1)};
+            std::vector<std::string> cells{harmless(row.name),           harmless(r.name),
+                                           significant(r.stiffness_kpa), interval,
+                                           verdict_words(row, r),        decimals(row.seconds, 1)};
             if (has_ratios) add_ratio_cells(r, cells);
             table.add(std::move(cells));
         }
@@ -123,8 +128,8 @@ std::string targets_csv(const std::vector<TargetRow>& rows) {
             out += fmt::format("{},{},{},{},{},{},{:d},{},{}{}\n", csv_text(row.name),
                                csv_text(r.name), csv_number(r.stiffness_kpa),
                                csv_number(r.interval_kpa[0]), csv_number(r.interval_kpa[1]),
-                               csv_text(r.verdict), row.converged, csv_number(row.seconds),
-                               csv_text(row.note), ratio_csv(r));
+                               csv_text(verdict_words(row, r)), row.converged,
+                               csv_number(row.seconds), csv_text(row.note), ratio_csv(r));
         }
     }
     return out;

@@ -7,38 +7,25 @@
 #include <algorithm>
 
 #include "host/apps/recover/report/findings.hpp"
+#include "host/apps/recover/report/recovery_tree.hpp"
 #include "host/page/plain_text.hpp"
+#include "host/page/tree_table.hpp"
 
 namespace palpate {
 namespace {
 
-std::string regions_table(const RecoveryResult& result) {
-    TextTable table({"Region", "Label", "Role", "Stiffness kPa", "95 % interval", "Verdict"},
-                    {false, true, false, true, true, false});
-    for (const RegionResult& r : result.regions) {
-        const std::string interval =
-            fmt::format("{} to {}", significant(r.interval_kpa[0]), significant(r.interval_kpa[1]));
-        table.add({harmless(r.name), fmt::format("{}", r.label), r.role,
-                   r.hollow ? "-" : significant(r.stiffness_kpa), r.unknown ? interval : "-",
-                   r.verdict});
-    }
-    return table.text();
+/// Of the Poisson's ratios that were searched; empty if there are none.
+std::string ratios_table(const ResultTree& regions) {
+    const TreeTable table = table_of(regions, {"name", "searched_poisson_ratio"}, "-");
+    return table.columns.size() > 1 ? '\n' + table.text() : "";
 }
 
-/// Of the Poisson's ratios that were searched; empty if there are none.
-std::string ratios_table(const RecoveryResult& result) {
-    TextTable table({"Region", "Poisson's ratio", "95 % interval", "Verdict"},
-                    {false, true, true, false});
-    bool any = false;
-    for (const RegionResult& r : result.regions) {
-        if (!r.ratio) continue;
-        any = true;
-        table.add({harmless(r.name), decimals(r.poisson_ratio, 2),
-                   fmt::format("{} to {}", decimals(r.ratio->interval[0], 2),
-                               decimals(r.ratio->interval[1], 2)),
-                   r.ratio->verdict});
-    }
-    return any ? '\n' + table.text() : "";
+/// Figures that nothing else here tells, a line each.
+std::string more_figures(const RecoveryResult& result) {
+    std::string out;
+    for (const auto& [title, value] : titled_rows(recovery_tree(result)))
+        out += harmless(title + ": " + value) + '\n';
+    return out;
 }
 
 std::string surfaces_table(const RecoveryResult& result) {
@@ -46,7 +33,7 @@ std::string surfaces_table(const RecoveryResult& result) {
                      "Max mm before", "after"},
                     {false, false, true, true, true, true, true, true});
     for (const SurfaceResult& s : result.surfaces)
-        table.add({harmless(s.name) + (s.cut_by_image ? " *" : ""), s.role,
+        table.add({harmless(s.name) + (s.cut_by_image ? " *" : ""), name_of(s.role),
                    decimals_or_dash(s.dice_before, 3), decimals_or_dash(s.dice_after, 3),
                    decimals_or_dash(s.mean_distance_mm_before, 2),
                    decimals_or_dash(s.mean_distance_mm_after, 2),
@@ -58,14 +45,18 @@ std::string surfaces_table(const RecoveryResult& result) {
 }  // namespace
 
 std::string text_report(const RecoveryResult& result) {
-    std::string out = regions_table(result) + ratios_table(result);
+    const ResultTree regions = regions_tree(result.regions);
+    std::string out = table_of(regions, {"name", "label", "role", "stiffness_kpa"}, "-").text() +
+                      ratios_table(regions);
     if (!result.surfaces.empty()) out += '\n' + surfaces_table(result);
     if (std::any_of(result.surfaces.begin(), result.surfaces.end(),
                     [](const SurfaceResult& s) { return s.cut_by_image; }))
         out += "* cut by the field of view; the cut face carries no data\n";
     if (const std::string text = landmark_sentence(result); !text.empty()) out += text + '\n';
     if (const std::string seen = seen_sentence(result); !seen.empty()) out += harmless(seen) + '\n';
+    if (const std::string text = contours_sentence(result); !text.empty()) out += text + '\n';
     out += '\n' + law_sentence(result) + '\n';
+    out += more_figures(result);
     for (const std::string& warning : result.warnings)
         out += "Warning: " + harmless(warning) + '\n';
     if (const std::string solvers = linear_solvers_text(result); !solvers.empty())

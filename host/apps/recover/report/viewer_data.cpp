@@ -70,7 +70,7 @@ Json surface_json(const RecoveryResult& result, const SurfaceResult& s) {
     const std::vector<double> before = seen_distances(s, s.distance_before_mm),
                               after = seen_distances(s, s.distance_after_mm);
     return {{"name", s.name},
-            {"role", s.role},
+            {"role", name_of(s.role)},
             {"colour", region_colour(result, s.region)},
             {"vertices", packed(s.reference.vertices)},
             {"displacement", packed(at_vertices(s, result.displacement, Vec3(Vec3::Zero())))},

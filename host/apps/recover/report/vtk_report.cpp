@@ -4,15 +4,15 @@
 
 #include <fmt/format.h>
 
-#include "host/geometry/meshing/mesh_files.hpp"
+#include "host/geometry/meshing/solid_mesh_file.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-/// The mesh with file labels in the place of region numbers: what `read_vtu` expects.
-Mesh with_file_labels(const RecoveryResult& result) {
-    Mesh mesh = result.mesh.mesh;
+/// The mesh with file labels in the place of region numbers: what ready meshes hold.
+SolidMesh with_file_labels(const RecoveryResult& result) {
+    SolidMesh mesh = result.mesh;
     for (Index& region : mesh.region) {
         const auto same = [&](const RegionResult& r) { return r.region == region; };
         const auto found = std::find_if(result.regions.begin(), result.regions.end(), same);
@@ -29,13 +29,13 @@ Mesh with_file_labels(const RecoveryResult& result) {
 }  // namespace
 
 void write_vtk_report(const RecoveryResult& result, const std::filesystem::path& path) {
-    MeshArrays arrays;
-    arrays.cell_scalars["stiffness_kpa"] = result.tet_stiffness_kpa;
+    SolidMeshArrays arrays;
+    arrays.cell_scalars["stiffness_kpa"] = result.element_stiffness_kpa;
     arrays.point_vectors["displacement"] = result.displacement;
     arrays.point_vectors["force"] = result.force;
     for (const Held held : result.held)
         arrays.point_scalars["held"].push_back(static_cast<double>(held));
-    write_vtu(path, with_file_labels(result), arrays);
+    write_solid_mesh(path, with_file_labels(result), arrays);
 }
 
 }  // namespace palpate

@@ -14,9 +14,11 @@
 #include "host/apps/recover/modelling/settings.hpp"
 #include "host/apps/recover/modelling/tissue_law.hpp"
 #include "host/apps/recover/result/landmark.hpp"
+#include "host/estimate/verdict.hpp"
 #include "host/geometry/meshing/mesher.hpp"
 #include "host/geometry/surfaces/surface.hpp"
 #include "host/io/label_image.hpp"
+#include "solver/equilibrium/element_loops.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
@@ -24,8 +26,8 @@ namespace palpate {
 /// What is known about a Poisson's ratio that was searched.
 struct RatioResult {
     std::array<double, 2> interval{0, 0};  ///< 95 %
-    std::string verdict;                   ///< "recovered", "weak" or "not identifiable"
-    std::string reason;                    ///< one sentence in words
+    Verdict verdict = Verdict::not_judged;
+    std::string reason;  ///< one sentence in words
 };
 
 /// What is known about one region after a recovery.
@@ -33,17 +35,15 @@ struct RegionResult {
     Index region = 0;
     std::string name;
     Index label = 0;
-    std::string role;  ///< "background", "tissue", "driven", "fixed"
+    Role role = Role::tissue;
     bool hollow = false;
     bool unknown = false;  ///< its modulus was estimated
     double poisson_ratio = 0;
     double stiffness_kpa = 0;                  ///< estimated or given; 0 for hollow regions
     std::array<double, 2> interval_kpa{0, 0};  ///< 95 % interval; equal ends for a given modulus
     double sd_ln = 0;                          ///< posterior sd of ln E
-    /// "recovered", "weak", "not identifiable", "given", "hollow", or "not judged": then interval
-    /// and sd are NaN, because the search computes none.
-    std::string verdict;
-    std::string reason;                               ///< one sentence in words
+    Verdict verdict = Verdict::not_judged;     ///< if not judged, interval and sd are NaN
+    std::string reason;                        ///< one sentence in words
     std::optional<RatioResult> ratio = std::nullopt;  ///< if Poisson's ratio was unknown
     // Of a region that is not hollow:
     std::array<double, 2> jacobian_range{1, 1};  ///< of its elements' volumes, after over before
@@ -63,7 +63,7 @@ struct SensitivityResult {
 struct SurfaceResult {
     Index region = 0;
     std::string name;
-    std::string role;
+    Role role = Role::tissue;
     std::string target_kind = "labels";      ///< "surface", "points" or "none": not given
     double seen_share = 1;                   ///< of its area: the part that carries data
     double dice_before = 0, dice_after = 0;  ///< NaN without target labels
@@ -84,7 +84,7 @@ struct SurfaceResult {
     Surface target;                  ///< aligned, without caps; small marks in place of points
 };
 
-/// How far the contours of one image are off, smoothly along each surface.
+/// How far the contours of one image are off, smoothly along each surface or slice by slice.
 struct ContourError {
     double sd_mm = 0;
     double length_mm = 0;    ///< of its correlation (Matern 3/2)
@@ -92,6 +92,7 @@ struct ContourError {
     int images = 2;          ///< 1: the target is of surfaces or points, whose noise is given
     double point_scale = 1;  ///< how often what voxels leave each point is off by itself
     bool is_most = false;    ///< as far as is looked for
+    double slice_share = 0;  ///< of their variance: each slice off by itself
 };
 
 /// What holds a node of the mesh.
@@ -108,11 +109,11 @@ struct RecoveryResult {
     std::string version;
     TissueLaw law = TissueLaw::linear;  ///< of all tissue
     std::string seed_note;
-    RegionMesh mesh;                        ///< LPS mm
-    std::vector<Vec3> displacement;         ///< [num_nodes] mm, reference to aligned target
-    std::vector<Vec3> force;                ///< [num_nodes] mN, reactions at driven and fixed nodes
-    std::vector<Held> held;                 ///< [num_nodes]
-    std::vector<double> tet_stiffness_kpa;  ///< [num_tets]
+    SolidMesh mesh;                  ///< LPS mm, tet4 or tet10
+    std::vector<Vec3> displacement;  ///< [num_nodes] mm, reference to aligned target
+    std::vector<Vec3> force;         ///< [num_nodes] mN, reactions at driven and fixed nodes
+    std::vector<Held> held;          ///< [num_nodes]
+    std::vector<double> element_stiffness_kpa;  ///< [num_elements]
     std::vector<RegionResult> regions;
     std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order
     std::vector<SensitivityResult> sensitivity;    ///< largest first; empty if not computed
@@ -126,6 +127,7 @@ struct RecoveryResult {
     MesherSummary mesher;
     BackendInfo device;                                                    ///< of the final solve
     std::vector<std::pair<std::string, LinearSolverInfo>> linear_solvers;  ///< by stage
+    std::optional<ElementLoopInfo> element_loops;  ///< of Newton's method; none at small strains
     double full_model_residual = 0;  ///< relative residual of the final solve, fp64 on host
     std::vector<std::pair<std::string, double>> timings_s;  ///< stages in order; total is added
     std::vector<std::string> warnings;

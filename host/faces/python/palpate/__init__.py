@@ -7,8 +7,11 @@ Lengths in mm, stiffness in kPa, forces in mN, places in LPS patient space. Not 
 from . import _blas_kernels  # before the library that computes with them is loaded
 from ._core import PalpateError
 from ._core import version as _version
+from . import applications
+from .applications import Outcome, run
 from .recovery import LabelVolume, Phantom, Result, phantom, recover
 from .solver import Solver
 
 __version__ = _version().split()[0]
-__all__ = ["LabelVolume", "PalpateError", "Phantom", "Result", "Solver", "phantom", "recover"]
+__all__ = ["LabelVolume", "Outcome", "PalpateError", "Phantom", "Result", "Solver", "applications",
+           "phantom", "recover", "run"]

@@ -79,8 +79,11 @@ class Result:
 
     @property
     def regions(self) -> Dict[str, Dict[str, Any]]:
-        """By name: stiffness_kpa, interval_kpa (95 %), verdict, reason, label, role, poisson_ratio."""
-        return {region["name"]: region for region in self._result.regions}
+        """By name: stiffness_kpa, interval_kpa (95 %), verdict, reason, label, role, poisson_ratio, and
+        whatever else result.json holds of a region. Of hollow organs the numbers are 0."""
+        written = self.to_dict()["regions"]
+        return {core["name"]: {**figures, **core}
+                for figures, core in zip(written, self._result.regions)}
 
     @property
     def nodes(self) -> Doubles:
@@ -89,7 +92,8 @@ class Result:
 
     @property
     def elements(self) -> npt.NDArray[np.int32]:
-        """[num_elements, 4] node numbers from 0."""
+        """[num_elements, 4] node numbers from 0; of tet10 [num_elements, 10], the middles of the edges
+        01, 12, 02, 03, 13, 23 after the corners."""
         return self._result.elements
 
     @property
@@ -141,7 +145,7 @@ def _settings_text(settings: Path) -> str:
 
 def recover(reference: Union[LabelVolume, Path], target: Union[LabelVolume, Path], settings: Path,
             align: str = "auto", material: str = "linear", num_nodes: int = 0, mesh: Path = "",
-            progress: Progress = None, **options: Any) -> Result:
+            progress: Progress = None, element: str = "tet4", **options: Any) -> Result:
     """Recovers stiffness from two states of one patient.
 
     reference, target  label volumes: two `LabelVolume`, or two paths of files
@@ -151,6 +155,7 @@ def recover(reference: Union[LabelVolume, Path], target: Union[LabelVolume, Path
     num_nodes          of the mesh; 0: the default
     mesh               path of a ready mesh (.vtu) of the reference
     progress           called with (stage, fraction, message); False cancels
+    element            "tet4" (linear) or "tet10" (quadratic tetrahedra)
     options            of `palpate.solver.solver_choice`
 
     Raises PalpateError, whose `status` is that of palpate.h (the exit code of the command line; 11 if
@@ -158,7 +163,7 @@ def recover(reference: Union[LabelVolume, Path], target: Union[LabelVolume, Path
     """
     choice = _core.RecoverChoice()
     choice.settings = _settings_text(settings)
-    choice.align, choice.material = align, material
+    choice.align, choice.material, choice.element = align, material, element
     choice.num_nodes, choice.mesh = num_nodes, os.fspath(mesh)
     choice.mesh_program = _mesh_program()
     choice.solver = solver_choice(**options)

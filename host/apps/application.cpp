@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/application.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "host/io/output_folder.hpp"
+#include "host/page/assets.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/tree_html.hpp"
+#include "host/page/tree_json.hpp"
+#include "host/system/version.hpp"
+
+namespace palpate {
+
+/// Compiled in from assets/application.html.
+std::string_view application_html();
+
+namespace {
+
+constexpr const char* result_file = "result.json";
+
+const std::vector<Option>& common_options() {
+    static const std::vector<Option> options = {
+        Option::folder("out", "Result folder, made new: result.json and report.html"),
+        Option::flag("overwrite", "Replace an older result folder"),
+        Option::number("time_limit", "s", {0, 1e7},
+                       "Seconds after which the work ends with exit code 9; 0: none")
+            .usually(0.0),
+    };
+    return options;
+}
+
+/// Names, values and units of what was given, as rows.
+std::string given_rows(const Application& application, const OptionValues& values) {
+    std::string rows;
+    for (const Option& option : application.options) {
+        const auto value = values.setting(option.name);
+        if (value)
+            rows += fmt::format("<tr><th>{}</th><td>{} {}</td></tr>", escape_html(option.name),
+                                escape_html(setting_text(*value)), escape_html(option.unit));
+    }
+    return rows;
+}
+
+std::string report_of(const Application& application, const OptionValues& values,
+                      const ResultTree& result) {
+    return fill_template(application_html(), {{"css", std::string(page_css())},
+                                              {"name", application.name},
+                                              {"title", escape_html(result.title)},
+                                              {"summary", escape_html(application.summary)},
+                                              {"version", escape_html(version_text())},
+                                              {"result", tree_html(result)},
+                                              {"given", given_rows(application, values)}});
+}
+
+}  // namespace
+
+std::vector<Option> all_options(const Application& application) {
+    std::vector<Option> options = application.options;
+    for (const Option& option : common_options())
+        if (!find_option(options, option.name) &&
+            !(application.writes_its_folder() && option.name == "overwrite"))
+            options.push_back(option);
+    return options;
+}
+
+Outcome run_application(const Application& application, const OptionValues& values, LimitEnds ends,
+                        const ProgressSink& progress) {
+    const std::filesystem::path folder = values.path("out");
+    const bool writes = !application.writes_its_folder() && !folder.empty();
+    if (writes) check_output_folder(folder, result_file, values.flag("overwrite"));
+    const TimeLimit limit(values.number("time_limit"), ends);
+    const ProgressSink watched = limit.watched(progress);
+    Outcome outcome = application.run(values, watched);
+    if (!writes) return outcome;
+    report_progress(watched, "writing", 0, "result folder");
+    write_folder_atomically(folder, values.flag("overwrite"), [&](const auto& inside) {
+        write_text_file(inside / result_file, tree_json(outcome.result));
+        write_text_file(inside / "report.html", report_of(application, values, outcome.result));
+    });
+    return outcome;
+}
+
+}  // namespace palpate

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/phantom/phantom_application.hpp"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "host/apps/compute_options.hpp"
+#include "host/apps/phantom/pelvis.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<Option> body_options() {
+    const PelvisOptions usual;
+    return {
+        Option::choice("kind", {"pelvis"},
+                       "Prostate, bladder, rectum and bones, voxelised before and after "
+                       "deformation")
+            .positional()
+            .required(),
+        Option::folder("out", "Folder, made new").required(),
+        Option::integer("seed", 0, 4294967295.0, "Anatomy and load")
+            .usually(std::int64_t{usual.seed}),
+        Option::number("stiffness_kpa", "kPa", {1, 10000}, "Of the prostate")
+            .usually(usual.stiffness_kpa),
+        Option::number("zone_stiffness_kpa", "kPa", {1, 10000},
+                       "Two labelled zones instead: of transition and peripheral zone")
+            .list(2, 2)
+            .excludes({"stiffness_kpa"}),
+        Option::number("poisson_ratio", "", {0, 0.49}, "Of the prostate")
+            .usually(usual.poisson_ratio),
+        Option::choice("material", {"linear", "neo-hookean"},
+                       "Law of all tissue: linear (small strains), neo-hookean (large deformation)")
+            .usually(std::string("linear")),
+        Option::number("tumour_fraction", "", {0, 0.95},
+                       "Part of the prostate's volume that is tumour; it has no label")
+            .usually(usual.tumour_fraction),
+        Option::number("tumour_kpa", "kPa", {1, 10000}, "Of the tumour")
+            .usually(usual.tumour_stiffness_kpa),
+        Option::choice("anatomy", {"usual", "round", "flat", "touching", "cut", "drawn"},
+                       "Kind of organs: usual, round, flat, touching (no tissue between them), "
+                       "cut (the images end within bladder and rectum), or drawn, any but usual "
+                       "by the seed")
+            .usually(std::string("usual")),
+    };
+}
+
+std::vector<Option> motion_and_image_options() {
+    const PelvisOptions usual;
+    return {
+        Option::choice(
+            "load", {"mixed", "filling", "bump", "normal", "tangential", "shift", "large", "drawn"},
+            "How the walls move; drawn: any but mixed by the seed")
+            .usually(std::string("mixed")),
+        Option::number("load_factor", "", {-1, 1},
+                       "On the walls' motion; with 0 nothing moves, with -1 it goes the other way")
+            .usually(usual.load_factor),
+        Option::number("tangential", "", {0, 10}, "Factor on the walls' motion along themselves")
+            .usually(usual.tangential_factor),
+        Option::integer("target", 1, 1000,
+                        "Number of the target: reference and load are those of the seed, the "
+                        "contours of each target are drawn anew (contours, load_factor)")
+            .usually(std::int64_t{usual.target}),
+        Option::number("spacing", "mm", {0.2, 10}, "Voxel size")
+            .list(3, 3)
+            .usually(std::vector<double>{1, 1, 1}),
+        Option::text("contours",
+                     "How both volumes are drawn: exact, or STYLE:SD:LENGTH in mm, STYLE one of "
+                     "exponential, matern32, squared, slices; or drawn:SD, one of them")
+            .usually(std::string("exact")),
+    };
+}
+
+PelvisOptions pelvis_of(const OptionValues& values) {
+    PelvisOptions options;
+    options.seed = static_cast<unsigned>(values.whole("seed"));
+    options.stiffness_kpa = values.number("stiffness_kpa");
+    const std::vector<double> zones = values.numbers("zone_stiffness_kpa");
+    if (!zones.empty()) options.zone_stiffness_kpa = {zones[0], zones[1]};
+    options.poisson_ratio = values.number("poisson_ratio");
+    options.law = tissue_law_of(values.text("material"));
+    options.tumour_fraction = values.number("tumour_fraction");
+    options.tumour_stiffness_kpa = values.number("tumour_kpa");
+    options.anatomy = drawn_for(anatomy_family_of(values.text("anatomy")), options.seed);
+    options.load = drawn_for(load_family_of(values.text("load")), options.seed);
+    options.load_factor = values.number("load_factor");
+    options.tangential_factor = values.number("tangential");
+    options.target = static_cast<unsigned>(values.integer("target"));
+    options.spacing = Vec3::Map(values.numbers("spacing").data());
+    options.contours = drawn_for(contour_error_of(values.text("contours")), options.seed);
+    options.num_nodes = static_cast<Index>(values.integer("nodes"));
+    return options;
+}
+
+Outcome run_phantom(const OptionValues& values, const ProgressSink& progress) {
+    const std::filesystem::path folder = values.path("out");
+    if (std::filesystem::exists(folder))
+        throw Error(
+            ErrorCode::output_failed,
+            fmt::format("{} exists already; remove it or choose another --out", folder.string()));
+    const PelvisOptions options = pelvis_of(values);
+    const PelvisPhantom phantom =
+        make_pelvis(options, solver_of(values), mesher_of(values), progress);
+    write_pelvis(phantom, options, folder);
+    const PelvisTruth& truth = phantom.truth;
+    return {
+        ResultTree::of("phantom", {{"format", "palpate-phantom"},
+                                   {"format_version", 1},
+                                   {"seed", std::int64_t{options.seed}},
+                                   {"nodes", std::int64_t{phantom.mesh.mesh.num_nodes()}},
+                                   {"peak_displacement_mm", truth.peak_displacement_mm},
+                                   {"prostate_shape_change_mm", truth.prostate_shape_change_mm}}),
+        fmt::format("phantom: {}\n", folder.string())};
+}
+
+}  // namespace
+
+Application phantom_application() {
+    return {"phantom", "Make input with a known answer",
+            joined({body_options(), motion_and_image_options(),
+                    mesher_options(PelvisOptions{}.num_nodes), solver_options()}),
+            run_phantom};
+}
+
+}  // namespace palpate

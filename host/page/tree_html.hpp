@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "host/page/result_tree.hpp"
+
+namespace palpate {
+
+/// What of the tree has a title as HTML with the classes of page.css: its estimates as cards, its
+/// other figures in two columns, then each part under its title, a list as a table. Texts are
+/// escaped.
+std::string tree_html(const ResultTree& tree);
+
+}  // namespace palpate

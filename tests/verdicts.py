@@ -1,0 +1,22 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""What verdict follows from a result's own interval and reason, by the rules of docs/method.md, section 5."""
+
+
+def verdict_that_follows(region):
+    """Of a region of result.json whose modulus was unknown. Fails where its reason tells another number than its
+    interval, or an organ that cannot be told has an interval that claims more than the prior."""
+    low, high = region["interval_kpa"]
+    words = region["reason"].split()
+    assert 0 < low < region["stiffness_kpa"] < high
+    if region["reason"].startswith("the 95 % interval spans a factor of"):
+        told = float(words[words.index("of") + 1].rstrip(";"))
+        assert abs(told - high / low) <= 0.006 * told + 0.05, region
+        return "recovered" if high <= 2 * low else "weak"
+    if region["reason"].startswith("only a"):
+        bound = low if "lower bound" in region["reason"] else high
+        told = float(words[words.index("known,") + 1])
+        assert abs(told - bound) <= 0.01 * bound, region
+        return "weak"
+    assert high > 50 * low, region  # the prior alone spans exp(2 * 1.96 * 1.2) = 110
+    return "not identifiable"
