@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "solver/base/error.hpp"
 
@@ -41,7 +42,35 @@ std::map<std::string, SettingValue> usual_values(const std::vector<Option>& tabl
         fmt::format("{} is {}; allowed: {}", name, fmt::join(words, " "), allowed_text(option)));
 }
 
+bool is_part_of_name(char letter) {
+    return std::isalnum(static_cast<unsigned char>(letter)) || letter == '-' || letter == '_';
+}
+
+/// Whole names only: not "--out" in "--outline".
+void replace_name(std::string& text, const std::string& name, const std::string& by) {
+    for (std::size_t at = text.find(name); at != text.npos; at = text.find(name, at)) {
+        const std::size_t end = at + name.size();
+        const bool is_whole = (at == 0 || !is_part_of_name(text[at - 1])) &&
+                              (end == text.size() || !is_part_of_name(text[end]));
+        if (is_whole) text.replace(at, name.size(), by);
+        at = is_whole ? at + by.size() : end;
+    }
+}
+
 }  // namespace
+
+std::string as_settings_spell(const std::vector<Option>& table, std::string text) {
+    for (const Option& option : table)
+        replace_name(text, command_line_name(option.name), option.name);
+    return text;
+}
+
+std::string as_commands_spell(const std::vector<Option>& table, std::string text) {
+    for (const Option& option : table)
+        if (!option.is_positional && option.name.find('_') != option.name.npos)
+            replace_name(text, option.name, command_line_name(option.name));
+    return text;
+}
 
 std::string command_line_name(const std::string& name) {
     std::string spelled = "--" + name;

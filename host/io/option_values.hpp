@@ -62,4 +62,10 @@ private:
 /// "--time-limit" of "time_limit".
 std::string command_line_name(const std::string& name);
 
+/// A text about options as someone reads it who writes settings: "time_limit" for "--time-limit".
+std::string as_settings_spell(const std::vector<Option>& table, std::string text);
+/// The same for someone at a command line. Names of one word, like "nodes", stay as they are: they
+/// may be words.
+std::string as_commands_spell(const std::vector<Option>& table, std::string text);
+
 }  // namespace palpate

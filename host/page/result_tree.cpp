@@ -90,6 +90,7 @@ const Figure* find_figure(const ResultTree& tree, std::string_view path) {
 }
 
 std::string shown_value(const Figure& figure, const char* dash) {
+    if (figure.verdict == Verdict::not_identifiable) return dash;
     const auto number = [&](double value) { return number_text(figure, value, dash); };
     const auto shown = [&](const auto& value) -> std::string {
         using Value = std::decay_t<decltype(value)>;

@@ -74,7 +74,7 @@ struct ResultTree {
 /// there is none.
 const Figure* find_figure(const ResultTree& tree, std::string_view path);
 
-/// The value as people read it, without unit; `dash` where there is none.
+/// The value as people read it, without unit; `dash` where there is none, or nobody can tell it.
 std::string shown_value(const Figure& figure, const char* dash = "–");
 /// "61.4 to 113" with " to " as `between`; `dash` where there is none, or its ends are equal.
 std::string shown_interval(const Figure& figure, const char* between, const char* dash = "–");

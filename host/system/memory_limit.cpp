@@ -3,6 +3,7 @@
 #include "host/system/memory_limit.hpp"
 
 #include <dlfcn.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
@@ -91,6 +92,13 @@ void end_with_last_words(int signal) {
     _exit(ignored < 0 ? 1 : exit_code_of(ErrorCode::out_of_memory));
 }
 
+/// The C library looks for it when the first thread is cancelled, and says so on standard error
+/// where no memory is left for that.
+void load_unwinder() {
+    void* frame = nullptr;
+    backtrace(&frame, 1);
+}
+
 /// Drivers install handlers of their own when they are looked for first.
 void look_for_devices() {
     for (const BackendEntry& entry : backend_registry()) {
@@ -122,6 +130,7 @@ void prepare_for_memory_limit() {
             fmt::format("the limit of {} MiB of address space is too small; raise it (ulimit "
                         "-v) by {} MiB",
                         limit, (count * blas_buffer + least_work) / mib));
+    load_unwinder();
     reserve_blas_buffers(count);
     tell_crashes(limit);
     look_for_devices();

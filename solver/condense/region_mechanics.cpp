@@ -14,7 +14,7 @@ namespace {
 class RegionAtRest final : public RegionMechanics {
 public:
     RegionAtRest(const SolidModel& part, const LinearSolverOptions& options)
-        : stiffness_(stiffness_at_rest(part)), solver_(make_linear_solver(part, options)) {}
+        : stiffness_(stiffness_at_rest(part)), solver_(make_rest_solver(part, options)) {}
 
     const StiffnessMatrix& stiffness() const override { return stiffness_; }
     LinearSolverSummary solve(const Columns& b, Columns& x) override {

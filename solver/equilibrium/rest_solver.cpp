@@ -67,8 +67,8 @@ StiffnessMatrix stiffness_at_rest(const SolidModel& model) {
     return stiffness;
 }
 
-std::unique_ptr<LinearSolver> make_linear_solver(const SolidModel& model,
-                                                 const LinearSolverOptions& options) {
+std::unique_ptr<LinearSolver> make_rest_solver(const SolidModel& model,
+                                               const LinearSolverOptions& options) {
     if (is_linear_tet4(model)) return make_linear_solver(tet4_model_of(model), options);
     if (options.method == LinearMethod::multigrid || options.method == LinearMethod::jacobi)
         throw Error(ErrorCode::unsupported, std::string("the linear solver '") +

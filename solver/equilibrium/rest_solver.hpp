@@ -19,7 +19,7 @@ StiffnessMatrix stiffness_at_rest(const SolidModel& model);
 /// the back end that `options` name; all others are factorised on the host, and `describe` says so.
 /// `set_stiffness` changes the first parameter of every material. Throws what that function throws,
 /// Error(unsupported) if conjugate gradients are asked for of other elements.
-std::unique_ptr<LinearSolver> make_linear_solver(const SolidModel& model,
-                                                 const LinearSolverOptions& options);
+std::unique_ptr<LinearSolver> make_rest_solver(const SolidModel& model,
+                                               const LinearSolverOptions& options);
 
 }  // namespace palpate

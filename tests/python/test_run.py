@@ -37,6 +37,14 @@ def test_results_can_be_written(tmp_path):
     assert (tmp_path / 'a "folder"' / "result.json").exists()
 
 
+def test_an_error_names_options_as_python_does(tmp_path):
+    options = dict(force_mn=10, end_mm=7, out=tmp_path / "out")
+    palpate.run("springs", **options)
+    with pytest.raises(palpate.PalpateError, match="exists already.* with out, or add overwrite"):
+        palpate.run("springs", **options)
+    assert palpate.run("springs", overwrite=True, **options).converged
+
+
 @pytest.mark.parametrize("options, sentence", [
     (dict(force_mn=-1, end_mm=7), "force_mn"),
     (dict(force=10, end_mm=7), "known keys: force_mn"),

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -55,9 +56,16 @@ public:
         std::optional<SerialBlas> serial;  // cases side by side leave it no core of its own
         if (options_.jobs > 1) serial.emplace();
         std::vector<std::jthread> threads;
-        for (int t = 1; t < std::min<int>(options_.jobs, int(waiting_.size())); ++t)
-            threads.emplace_back([this] { work(); });
+        num_others_ = std::max(0, std::min<int>(options_.jobs, int(waiting_.size())) - 1);
+        for (int t = num_others_; t > 0; --t)
+            threads.emplace_back([this] {
+                work();
+                const std::lock_guard lock(mutex_);
+                --num_others_;
+                one_is_done_.notify_one();
+            });
         work();
+        wait_for_others();
         for (std::jthread& thread : threads) thread.join();
         if (error_ && !is_told_to_stop_) std::rethrow_exception(error_);
         return summary();
@@ -76,6 +84,20 @@ private:
                 const std::lock_guard lock(mutex_);
                 if (!error_) error_ = std::current_exception();
                 is_broken_ = true;
+            }
+        }
+    }
+
+    /// A sink may hear of a wish to stop only on the thread that called (Python's signals).
+    void wait_for_others() {
+        using namespace std::chrono_literals;
+        std::unique_lock lock(mutex_);
+        while (!one_is_done_.wait_for(lock, 200ms, [this] { return num_others_ == 0; })) {
+            if (is_broken_ || !progress_) continue;
+            try {
+                offer({});
+            } catch (...) {
+                continue;  // kept by `offer`
             }
         }
     }
@@ -182,6 +204,8 @@ private:
     std::atomic<bool> is_broken_ = false, is_told_to_stop_ = false;
     std::exception_ptr error_;
     std::mutex mutex_;
+    std::condition_variable one_is_done_;
+    int num_others_ = 0;  ///< threads beside the one that called
     Clock::time_point begin_ = Clock::now(), last_done_ = begin_;
 };
 

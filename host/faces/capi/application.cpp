@@ -18,6 +18,20 @@ struct palpate_outcome {
     std::string json;
 };
 
+namespace {
+
+/// What it throws names options as settings do.
+Outcome run_from_settings(const Application& application, const OptionValues& values,
+                          const ProgressSink& progress) {
+    try {
+        return run_application(application, values, LimitEnds::work, progress);
+    } catch (const Error& error) {
+        throw Error(error.code(), as_settings_spell(all_options(application), error.what()));
+    }
+}
+
+}  // namespace
+
 const char* palpate_applications(void) {
     static const std::string text = applications_json(applications());
     return text.c_str();
@@ -35,8 +49,8 @@ palpate_status palpate_run(const char* application, const char* settings_toml,
         const Application& chosen = application_named(application);
         const auto values =
             OptionValues::from_settings(all_options(chosen), settings_toml, "settings");
-        const Outcome found = run_application(chosen, values, LimitEnds::work,
-                                              capi::progress_sink(progress, progress_user));
+        const Outcome found =
+            run_from_settings(chosen, values, capi::progress_sink(progress, progress_user));
         auto made = std::make_unique<palpate_outcome>();
         made->json = tree_json(found.result);
         *outcome = capi::Handles<palpate_outcome>::all().keep(std::move(made));

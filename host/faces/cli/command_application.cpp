@@ -56,7 +56,7 @@ std::string usual_words(const Option& option) {
     return text ? *text : setting_text(*option.usual);
 }
 
-/// What is allowed is judged by the table, not by CLI11.
+/// What is allowed is judged by the table, not by CLI11. `option` speaks as a command line does.
 void add(CLI::App& command, const Option& option, OptionWords& words) {
     const std::string name = option.is_positional ? option.name : command_line_name(option.name);
     if (option.kind == OptionKind::flag) {
@@ -90,7 +90,11 @@ void add(CLI::App& command, const Option& option, OptionWords& words) {
 void add_application(CLI::App& app, const Application& application, Run& run) {
     auto arguments = std::make_shared<ApplicationArguments>();
     CLI::App* command = app.add_subcommand(application.name, application.summary);
-    for (const Option& option : all_options(application)) add(*command, option, arguments->words);
+    const std::vector<Option> table = all_options(application);
+    for (Option option : table) {
+        option.meaning = as_commands_spell(table, option.meaning);
+        add(*command, option, arguments->words);
+    }
     command->add_flag("--quiet", arguments->quiet, "No progress");
     command->callback([arguments, &application, &run] {
         run = [arguments, &application] { return run_command(application, *arguments); };

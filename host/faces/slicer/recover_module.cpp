@@ -65,6 +65,7 @@ private:
 };
 
 std::string sentence_about(const RegionResult& region) {
+    if (region.verdict == Verdict::not_identifiable) return region.name + " not identifiable";
     return fmt::format("{} {:.1f} kPa ({:.1f} to {:.1f}, {})", region.name, region.stiffness_kpa,
                        region.interval_kpa[0], region.interval_kpa[1], name_of(region.verdict));
 }

@@ -137,5 +137,17 @@ TEST(Option, SettingTextIsReadBackAsTheSameValue) {
     EXPECT_EQ(values.numbers("moves"), (std::vector{0.1, -2e-9}));
 }
 
+TEST(Option, TextsNameOptionsAsTheirReaderDoes) {
+    const std::vector<Option> named = {
+        Option::number("time_limit", "s", any_number, "How long"),
+        Option::text("out", "Where"),
+    };
+
+    EXPECT_EQ(as_settings_spell(named, "--out-of, --out, or --time-limit: --outline"),
+              "--out-of, out, or time_limit: --outline");
+    EXPECT_EQ(as_commands_spell(named, "time_limit, my_time_limit, but out is a word"),
+              "--time-limit, my_time_limit, but out is a word");
+}
+
 }  // namespace
 }  // namespace palpate

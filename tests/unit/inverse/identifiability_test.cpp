@@ -82,14 +82,28 @@ TEST(Identifiability, ARatioIsJudgedByHowMuchTheImagesNarrowWhatWasAllowed) {
     EXPECT_TRUE(says(judge_ratio(at_limit), "an end of what was allowed"));
 }
 
-TEST(Identifiability, PriorEndsOnlyWiden) {
-    const auto narrow = with_prior_ends({90, 110}, 100, 1);
-    EXPECT_NEAR(narrow[0], 100 * std::exp(-1.96), 1e-9);
-    EXPECT_NEAR(narrow[1], 100 * std::exp(1.96), 1e-9);
+TEST(Identifiability, AnOrganThatCannotBeToldHasTheIntervalOfThePriorAlone) {
+    ModulusEvidence evidence = clear_evidence();
+    evidence.interval_kpa = {90, 5000};  // of a search whose walls' prior, not its images, moved it
+    evidence.prior_sd_ln = 1;
+    const Judgement unseen{Verdict::not_identifiable, ""};
 
-    const auto wide = with_prior_ends({1, 5000}, 100, 1);
-    EXPECT_EQ(wide[0], 1);
-    EXPECT_EQ(wide[1], 5000);
+    const auto told = told_interval(evidence, unseen, 100);
+
+    EXPECT_NEAR(told[0], 100 * std::exp(-1.96), 1e-9);
+    EXPECT_NEAR(told[1], 100 * std::exp(1.96), 1e-9);
+}
+
+TEST(Identifiability, AnEndThatTheImagesDoNotGiveIsAtLeastThePriors) {
+    ModulusEvidence evidence = clear_evidence();
+    evidence.prior_sd_ln = 1;
+    evidence.excludes_stiff = false;
+    const Judgement bound{Verdict::weak, ""};
+
+    EXPECT_EQ(told_interval(evidence, bound, 100)[0], 80);
+    EXPECT_NEAR(told_interval(evidence, bound, 100)[1], 100 * std::exp(1.96), 1e-9);
+    evidence.interval_kpa[1] = 5000;
+    EXPECT_EQ(told_interval(evidence, bound, 100)[1], 5000);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "host/apps/recover/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/linearised_problem.hpp"
 #include "host/estimate/column_basis.hpp"
 #include "solver/base/error.hpp"
 

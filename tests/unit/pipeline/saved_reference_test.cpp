@@ -79,8 +79,8 @@ PreparedReference prepare(const RecoverOptions& options) {
     mesher.quality = mesh_quality(corner_mesh_of(mesh.mesh), settings.num_regions());
     auto maps = maps_of_matched(reference.state.field, settings);
     StageTimer timer;
-    return prepare_mesh(std::move(reference), std::move(mesh), std::move(mesher), std::move(maps),
-                        options, timer, {});
+    return prepare_reference(std::move(reference), std::move(mesh), std::move(mesher),
+                             std::move(maps), options, timer, {});
 }
 
 class SavedReferenceFile : public TemporaryFolderTest {

@@ -93,7 +93,7 @@ Eigen::VectorXd full_answer(const Scene& scene, const Eigen::VectorXd& driven) {
     Columns b = Columns::Zero(scene.model.num_dofs(), 1), x;
     for (std::size_t k = 0; k < scene.driven.size(); ++k)
         b.middleRows<3>(3 * scene.driven[k]) = driven.segment<3>(3 * k);
-    make_linear_solver(scene.model, fixtures::solver_on("reference"))->solve(b, x);
+    make_rest_solver(scene.model, fixtures::solver_on("reference"))->solve(b, x);
     return at_nodes(x.col(0), scene.observed);
 }
 
@@ -153,7 +153,7 @@ TEST(CondenseTet10, GivesTheAnswerOfTheFullModelAtRandomModuli) {
 
 TEST(RestSolver, TakesNewModuliAsIfItHadBegunWithThem) {
     Scene scene;
-    const auto solver = make_linear_solver(scene.model, fixtures::solver_on("reference"));
+    const auto solver = make_rest_solver(scene.model, fixtures::solver_on("reference"));
     Columns b = Columns::Zero(scene.model.num_dofs(), 1), changed, fresh;
     for (const Index n : scene.observed) b(3 * n, 0) = 1;
 
@@ -162,7 +162,7 @@ TEST(RestSolver, TakesNewModuliAsIfItHadBegunWithThem) {
 
     scene.model.materials[0].parameters[0] = 3;
     scene.model.materials[1].parameters[0] = 50;
-    make_linear_solver(scene.model, fixtures::solver_on("reference"))->solve(b, fresh);
+    make_rest_solver(scene.model, fixtures::solver_on("reference"))->solve(b, fresh);
     EXPECT_GT(fresh.norm(), 0);
     EXPECT_LT((changed - fresh).norm(), 1e-12 * fresh.norm());
 }
@@ -171,7 +171,7 @@ TEST(RestSolver, SaysThatTheHostFactorises) {
     const Scene scene;
 
     const LinearSolverInfo info =
-        make_linear_solver(scene.model, fixtures::solver_on("reference"))->describe();
+        make_rest_solver(scene.model, fixtures::solver_on("reference"))->describe();
 
     EXPECT_EQ(info.method, LinearMethod::direct);
     EXPECT_NE(info.reason.find("tet10 elements: factorised on the host"), std::string::npos);
@@ -182,7 +182,7 @@ TEST(RestSolver, RefusesConjugateGradientsOfQuadraticElements) {
     LinearSolverOptions options = fixtures::solver_on("reference");
     options.method = LinearMethod::multigrid;
 
-    EXPECT_EQ(fixtures::code_of([&] { make_linear_solver(scene.model, options); }),
+    EXPECT_EQ(fixtures::code_of([&] { make_rest_solver(scene.model, options); }),
               ErrorCode::unsupported);
 }
 

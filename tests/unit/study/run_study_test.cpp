@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "host/apps/study/study_folder.hpp"
 #include "solver/base/error.hpp"
@@ -151,6 +152,32 @@ TEST_F(RunStudy, RunsCasesAtTheSameTime) {
 
     EXPECT_EQ(run.rows.size(), 3u);
     EXPECT_EQ(run.rows[2].text("case"), "c");
+}
+
+TEST_F(RunStudy, TheThreadThatCalledIsAskedWhileItWaitsForOthers) {
+    const auto caller = std::this_thread::get_id();
+    std::atomic<bool> other_works = false, was_asked = false;
+    Study study = counting_study();
+    study.cases.pop_back();
+    for (StudyCase& one : study.cases)
+        one.run = [&](const ProgressSink&) {
+            if (std::this_thread::get_id() == caller) {
+                other_works.wait(false);
+            } else {
+                other_works = true;
+                other_works.notify_one();
+                was_asked.wait(false);
+            }
+            return Row();
+        };
+    options.jobs = 2;
+    const auto sink = [&](const Progress& step) {
+        if (std::this_thread::get_id() != caller || !step.stage.empty()) return;
+        was_asked = true;
+        was_asked.notify_one();
+    };
+
+    EXPECT_EQ(run_study(study, options, sink).rows.size(), 2u);
 }
 
 TEST_F(RunStudy, RefusesOtherSettingsAndOtherStudiesByName) {

@@ -61,11 +61,18 @@ Judgement judge(const ModulusEvidence& evidence) {
             fmt::format("the 95 % interval spans a factor of {:.2f}{}", span, trade)};
 }
 
-std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
-                                      double prior_sd_ln) {
+std::array<double, 2> prior_interval(double median_kpa, double prior_sd_ln) {
     const double spread = std::exp(1.96 * prior_sd_ln);
-    return {std::min(interval_kpa[0], median_kpa / spread),
-            std::max(interval_kpa[1], median_kpa * spread)};
+    return {median_kpa / spread, median_kpa * spread};
+}
+
+std::array<double, 2> told_interval(const ModulusEvidence& evidence, const Judgement& judgement,
+                                    double median_kpa) {
+    const auto prior = prior_interval(median_kpa, evidence.prior_sd_ln);
+    if (judgement.verdict == Verdict::not_identifiable) return prior;
+    const auto& [low, high] = evidence.interval_kpa;
+    return {evidence.excludes_soft ? low : std::min(low, prior[0]),
+            evidence.excludes_stiff ? high : std::max(high, prior[1])};
 }
 
 std::array<double, 2> RatioEvidence::interval() const {
@@ -94,10 +101,10 @@ Judgement judge_unobserved(bool surface_is_driven) {
     if (surface_is_driven) {
         return {Verdict::not_identifiable,
                 "unknown forces act on the organ's whole surface, so any modulus fits; the prior "
-                "median is shown"};
+                "median was used"};
     }
     return {Verdict::not_identifiable,
-            "no free surface of the organ was seen in both images; the prior median is shown"};
+            "no free surface of the organ was seen in both images; the prior median was used"};
 }
 
 Judgement not_judged(const std::string& method) {

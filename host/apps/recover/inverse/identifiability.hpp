@@ -31,10 +31,14 @@ struct ModulusEvidence {
 /// narrow the prior by less than a third (method.md section 5).
 Judgement judge(const ModulusEvidence& evidence);
 
-/// The prior's 95 % interval of a modulus with this median, widened to hold `interval_kpa`: all
-/// that is known of a modulus that is not identifiable.
-std::array<double, 2> with_prior_ends(const std::array<double, 2>& interval_kpa, double median_kpa,
-                                      double prior_sd_ln);
+/// The prior's 95 % interval of a modulus with this median.
+std::array<double, 2> prior_interval(double median_kpa, double prior_sd_ln);
+
+/// The interval to tell of a modulus whose prior has this median: the prior's if it is not
+/// identifiable, else what was found, where an end that the images do not give is at least the
+/// prior's.
+std::array<double, 2> told_interval(const ModulusEvidence& evidence, const Judgement& judgement,
+                                    double median_kpa);
 
 /// What is known of one Poisson's ratio after a search.
 struct RatioEvidence {

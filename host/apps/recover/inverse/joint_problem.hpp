@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/apps/recover/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/linearised_problem.hpp"
 
 namespace palpate {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "host/apps/recover/inverse/linearised_problem.hpp"
 #include "host/apps/recover/inverse/map_options.hpp"
-#include "host/apps/recover/inverse/marginal.hpp"
 #include "host/apps/recover/inverse/records.hpp"
 #include "host/apps/recover/inverse/surface_noise.hpp"
 #include "host/apps/recover/objectives/surface_observations.hpp"
@@ -25,7 +25,7 @@ struct MapEstimate {
     std::vector<Unknown> unknown;                     ///< regions that were estimated
     Eigen::VectorXd theta;                            ///< ln E of them
     Eigen::MatrixXd covariance;                       ///< of theta, Laplace approximation
-    std::vector<std::array<double, 2>> interval_kpa;  ///< 95 %, from the profile of F
+    std::vector<std::array<double, 2>> interval_kpa;  ///< 95 %, from the profile of F, as found
     std::vector<ProfileResult> profiles;
     Eigen::VectorXd seen_sd_ln;                      ///< see posterior.hpp, as the next two
     std::vector<std::array<bool, 2>> excluded_ends;  ///< [num unknown], softest, stiffest

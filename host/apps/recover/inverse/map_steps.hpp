@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/apps/recover/inverse/linearised_problem.hpp"
 #include "host/apps/recover/inverse/map_options.hpp"
-#include "host/apps/recover/inverse/marginal.hpp"
 #include "host/apps/recover/inverse/surface_noise.hpp"
 #include "host/apps/recover/objectives/surface_observations.hpp"
 #include "host/estimate/quasi_newton.hpp"

@@ -17,7 +17,8 @@ struct WallExpectation {
     double sd_mm = 5, range_mm = 40;    ///< how far they move, and over what length together
 };
 
-/// Gaussian prior of the motion of the driven walls: u_d ~ N(0, Q^-1). Walls that share no node are
+/// Gaussian prior of the motion of the driven walls: u_d ~ N(0, Q^-1), before any distance is
+/// looked at (WallPosterior has the precision H of both). Walls that share no node are
 /// independent of each other, so the covariance is kept as one dense block per wall: with a few
 /// thousand nodes on a wall this beats sparse factors, and every product is a matrix product.
 ///

@@ -62,7 +62,7 @@ struct ObservedState {
 class SurfaceObservations {
 public:
     /// Observations of every vertex of every observed surface whose node may move. Nodes outside
-    /// `target_field`'s box (in the aligned frame) carry no data: they were not seen.
+    /// the box of the target's labels (in the aligned frame) carry no data: they were not seen.
     SurfaceObservations(const RecoveryModel& recovery, ObservedShapes shapes,
                         const std::vector<std::uint8_t>& node_is_seen,
                         const ObservationOptions& options);

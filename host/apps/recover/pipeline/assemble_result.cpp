@@ -84,8 +84,7 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     result.verdict = verdict.verdict;
     result.reason = verdict.reason;
     result.sd_ln = settings.prior.stiffness_sd_ln;
-    result.interval_kpa = with_prior_ends({result.stiffness_kpa, result.stiffness_kpa},
-                                          result.stiffness_kpa, result.sd_ln);
+    result.interval_kpa = prior_interval(result.stiffness_kpa, result.sd_ln);
     for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
         if (estimate.unknown[k].object != result.region) continue;
         judge_modulus(estimate, k, settings, result);

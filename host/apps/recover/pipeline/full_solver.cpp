@@ -12,7 +12,7 @@ FullSolver::FullSolver(SolidModel model, LinearSolverOptions options, Index num_
     options.expected_columns = num_columns;
     set_up_ =
         std::async(std::launch::async, [model = std::move(model), options = std::move(options)] {
-            return make_linear_solver(model, options);
+            return make_rest_solver(model, options);
         });
 }
 

@@ -19,7 +19,7 @@ public:
     /// `num_columns`: right-hand sides to be expected per set of moduli.
     FullSolver(SolidModel model, LinearSolverOptions options, Index num_columns);
     /// Waits for the set-up. `kpa`: moduli of all regions [num regions]. Throws what
-    /// `make_linear_solver` throws.
+    /// `make_rest_solver` throws.
     LinearSolver& at(const std::vector<double>& kpa);
 
 private:

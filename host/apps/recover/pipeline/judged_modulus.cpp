@@ -39,16 +39,6 @@ ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Se
     return evidence;
 }
 
-/// Ends that the images do not give are the prior's.
-std::array<double, 2> honest_interval(const ModulusEvidence& evidence, const Judgement& verdict,
-                                      double median_kpa) {
-    auto ends = with_prior_ends(evidence.interval_kpa, median_kpa, evidence.prior_sd_ln);
-    if (verdict.verdict == Verdict::not_identifiable) return ends;
-    if (evidence.excludes_soft) ends[0] = evidence.interval_kpa[0];
-    if (evidence.excludes_stiff) ends[1] = evidence.interval_kpa[1];
-    return ends;
-}
-
 void tell(const Judgement& verdict, RegionResult& result) {
     result.verdict = verdict.verdict;
     result.reason = verdict.reason;
@@ -72,7 +62,7 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
     }
     const ModulusEvidence evidence = evidence_of(estimate, k, settings);
     const Judgement verdict = judge(evidence);
-    result.interval_kpa = honest_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
+    result.interval_kpa = told_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
     result.sd_ln = verdict.verdict == Verdict::not_identifiable
                        ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
                        : evidence.sd_ln;

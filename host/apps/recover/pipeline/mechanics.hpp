@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "host/apps/recover/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/linearised_problem.hpp"
 #include "host/apps/recover/inverse/response_model.hpp"
 #include "host/apps/recover/inverse/wall_prior.hpp"
 #include "host/apps/recover/modelling/build_model.hpp"

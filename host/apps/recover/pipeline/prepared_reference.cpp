@@ -54,13 +54,13 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
                                 mesher.mesher, mesh.mesh.num_nodes(), mesh.mesh.num_elements(),
                                 mesh.mesh.table().name, mesher.quality.min_dihedral_deg));
     auto done = maps.get();
-    return prepare_mesh(std::move(reference), std::move(mesh), std::move(mesher), std::move(done),
-                        options, timer, progress);
+    return prepare_reference(std::move(reference), std::move(mesh), std::move(mesher),
+                             std::move(done), options, timer, progress);
 }
 
-PreparedReference prepare_mesh(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
-                               std::vector<DistanceMap> maps, const RecoverOptions& options,
-                               StageTimer& timer, const ProgressSink& progress) {
+PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
+                                    std::vector<DistanceMap> maps, const RecoverOptions& options,
+                                    StageTimer& timer, const ProgressSink& progress) {
     Mechanics mechanics =
         make_mechanics(mesh, options.settings, options.solver, options.mechanics, timer, progress);
     auto full_solver = start_full_solver(mechanics.recovery, options.solver);

@@ -27,9 +27,9 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
                                     StageTimer& timer, const ProgressSink& progress);
 
 /// The same from a mesh in memory.
-PreparedReference prepare_mesh(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
-                               std::vector<DistanceMap> maps, const RecoverOptions& options,
-                               StageTimer& timer, const ProgressSink& progress);
+PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
+                                    std::vector<DistanceMap> maps, const RecoverOptions& options,
+                                    StageTimer& timer, const ProgressSink& progress);
 
 /// Sets up the solver of the whole model, in the background.
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,

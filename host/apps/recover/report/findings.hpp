@@ -26,10 +26,10 @@ std::string finding_sentence(const RecoveryResult& result, const RegionResult& r
 std::string ratio_sentence(const RegionResult& region);
 /// How well the surfaces agree, in one sentence; empty without observed surfaces.
 std::string surfaces_sentence(const RecoveryResult& result);
-/// How much of each organ's surface carried data; empty where the target has labels.
 /// "12 landmarks: mean error 3.1 mm after rigid alignment, 0.8 mm after the recovery, largest 1.9
 /// mm.", or nothing without landmarks.
 std::string landmark_sentence(const RecoveryResult& result);
+/// How much of each organ's surface carried data; empty where the target has labels.
 std::string seen_sentence(const RecoveryResult& result);
 /// How far the contours are off, in one sentence; empty where the search looked for nothing.
 std::string contours_sentence(const RecoveryResult& result);

@@ -49,8 +49,9 @@ std::string chart_of(const std::vector<TargetRow>& rows, const std::string& name
     for (const TargetRow& row : rows) {
         const RegionResult* region = find_region(row, name);
         if (!region || !(region->interval_kpa[0] > 0)) continue;
-        bars.push_back({row.name, region->stiffness_kpa,
-                        std::pair{region->interval_kpa[0], region->interval_kpa[1]},
+        const auto& [low, high] = region->interval_kpa;
+        bars.push_back({row.name, is_known(*region) ? region->stiffness_kpa : std::sqrt(low * high),
+                        std::pair{low, high},
                         is_joint(row)       ? "var(--accent)"
                         : is_known(*region) ? "var(--soft)"
                                             : "var(--line)"});

@@ -108,9 +108,11 @@ std::string targets_table(const std::vector<TargetRow>& rows) {
         for (const RegionResult& r : listed_regions(row)) {
             const std::string interval = fmt::format("{} to {}", significant(r.interval_kpa[0]),
                                                      significant(r.interval_kpa[1]));
-            std::vector<std::string> cells{harmless(row.name),           harmless(r.name),
-                                           significant(r.stiffness_kpa), interval,
-                                           verdict_words(row, r),        decimals(row.seconds, 1)};
+            const std::string value =
+                r.verdict == Verdict::not_identifiable ? "-" : significant(r.stiffness_kpa);
+            std::vector<std::string> cells{
+                harmless(row.name), harmless(r.name),      value,
+                interval,           verdict_words(row, r), decimals(row.seconds, 1)};
             if (has_ratios) add_ratio_cells(r, cells);
             table.add(std::move(cells));
         }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/linearised_problem.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using Fixture = SmallProblem;
 
-TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
+TEST(LinearisedProblem, ObjectiveIsTheDensityOfTheObservedRows) {
     // Straight from the definition with dense inverses: y ~ N(J m, R + J H^-1 J^T).
     Fixture f;
     const Eigen::Vector2d theta(4.0, 3.2);
@@ -67,7 +67,7 @@ TEST(Marginal, ObjectiveIsTheDensityOfTheObservedRows) {
 }
 
 /// r = R C^-1 e with dense inverses, for noise that rows share.
-TEST(Marginal, PredictsTheSizeOfTheResidualWithoutWeights) {
+TEST(LinearisedProblem, PredictsTheSizeOfTheResidualWithoutWeights) {
     Fixture f;
     for (LinearRow& row : f.rows) {
         row.contour_mm = 0.6;
@@ -142,7 +142,7 @@ TEST(Contours, OfDifferentSurfacesAreDrawnIndependently) {
 
 /// The target's alignment as an unknown: the density of the observed rows given the walls', most
 /// probable motions and their covariance, all from one dense Gaussian of all rows.
-TEST(Marginal, IntegratesTheAlignmentOut) {
+TEST(LinearisedProblem, IntegratesTheAlignmentOut) {
     Fixture f;
     FramePrior frame;
     frame.frame.centre = Vec3(1, -2, 3);
@@ -210,7 +210,7 @@ TEST(Marginal, IntegratesTheAlignmentOut) {
     EXPECT_GT(information(0, 0), 0);
 }
 
-TEST(Marginal, GradientMatchesCentralDifferences) {
+TEST(LinearisedProblem, GradientMatchesCentralDifferences) {
     Fixture f;
     const auto problem = f.problem();
     const Eigen::Vector2d theta(3.1, 4.4);
@@ -225,7 +225,7 @@ TEST(Marginal, GradientMatchesCentralDifferences) {
     }
 }
 
-TEST(Marginal, InformationIsThatOfTheDistancesAtTheMostProbableMotion) {
+TEST(LinearisedProblem, InformationIsThatOfTheDistancesAtTheMostProbableMotion) {
     // Central differences of the predicted distances, and a dense C.
     Fixture f;
     const Eigen::Vector2d theta(3.6, 4.1);
@@ -261,7 +261,7 @@ TEST(Marginal, InformationIsThatOfTheDistancesAtTheMostProbableMotion) {
     EXPECT_LT((found - expected).norm(), 1e-6 * expected.norm());
 }
 
-TEST(Marginal, MisfitIsTheObjectiveWithoutThePriorOfTheModuli) {
+TEST(LinearisedProblem, MisfitIsTheObjectiveWithoutThePriorOfTheModuli) {
     Fixture f;
     const Eigen::Vector2d theta(3.6, 4.1);
     const auto problem = f.problem();
@@ -350,7 +350,7 @@ TEST(MarginalAtAPoint, IsInfiniteWhereTheMechanicsAreNotStable) {
     EXPECT_TRUE(std::isinf(problem.evaluate(Eigen::Vector2d(9, 4), true).objective));
 }
 
-TEST(Marginal, SearchEndsWhereTheGradientVanishes) {
+TEST(LinearisedProblem, SearchEndsWhereTheGradientVanishes) {
     Fixture f;
     const auto problem = f.problem();
     const Bounds bounds = same_bounds(2, std::log(0.01), std::log(1e6));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/inverse/marginal.hpp"
+#include "host/apps/recover/inverse/linearised_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
