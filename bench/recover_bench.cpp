@@ -159,8 +159,8 @@ void mesh_to_answer(benchmark::State& state, const Size& size) {
         StageTimer timer;
         auto shapes = start_target_shapes(input.aligned, input.options.settings);
         const PreparedReference prepared =
-            prepare_mesh(input.prepared.reference, input.prepared.mesh, input.prepared.mesher,
-                         input.prepared.maps, input.options, timer, {});
+            prepare_reference(input.prepared.reference, input.prepared.mesh, input.prepared.mesher,
+                              input.prepared.maps, input.options, timer, {});
         found = search_target(prepared, input.aligned, std::move(shapes), input.options, timer, {});
         timer.stop();
         add_times(state, timer);
