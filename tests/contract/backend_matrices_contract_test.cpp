@@ -39,6 +39,23 @@ TEST_P(BackendContract, SmoothesWithASquareBlockMatrix) {
     }
 }
 
+TEST_P(BackendContract, ScalesAVectorInPlace) {
+    const BlockMatrix matrix = random_matrix(137, 137, 3, 3, 265);
+    const auto a = backend_->make_operator(matrix, random_diagonal(matrix, 266));
+    for (Index columns : column_counts) {
+        const Columns r = random_columns(411, columns, 267);
+        const auto there = to_device(*backend_, r), here = to_device(*backend_, r);
+        const auto z = nan_vector(*backend_, 411, columns);
+        const auto sums = backend_->make_sums(columns);
+
+        backend_->apply_inverse_diagonal(*a, 0.7, *there, *z);
+        backend_->apply_inverse_diagonal(*a, 0.7, *here, *here, sums.get());
+
+        EXPECT_EQ(to_host(*backend_, *here), to_host(*backend_, *z));
+        expect_sums(*sums, r, to_host(*backend_, *z));
+    }
+}
+
 TEST_P(BackendContract, TakesNewValuesInTheSamePattern) {
     BlockMatrix matrix = random_matrix(137, 137, 6, 6, 270);
     const auto a = backend_->make_operator(matrix, random_diagonal(matrix, 272));

@@ -83,6 +83,18 @@ TEST_P(BackendContract, DifferentiatesWithRespectToTheModuli) {
     }
 }
 
+TEST_P(BackendContract, DifferentiatesTheEnergyOfOneVector) {
+    prepare(odd_model());
+    const Columns x = random_state(3, 145);
+    const auto on_device = to_device(*backend_, x), of_oracle = to_device(*oracle_, x);
+    std::vector<double> expected(2), actual(2);
+
+    oracle_->parameter_gradient(*of_oracle, *of_oracle, expected);
+    backend_->parameter_gradient(*on_device, *on_device, actual);
+
+    expect_close(actual, expected);
+}
+
 TEST_P(BackendContract, TakesNewModuliForThePreparedModel) {
     prepare(odd_model());
     const auto x = to_device(*backend_, random_state(3, 144));

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "solver/backend/solid_tables.hpp"
-#include "solver/backends/kokkos/checks.hpp"
 #include "solver/backends/kokkos/device_arrays.hpp"
+#include "solver/backends/kokkos/guarded.hpp"
 #include "solver/backends/kokkos/solid_loops.hpp"
 #include "solver/materials/registry.hpp"
 
@@ -159,12 +159,11 @@ public:
     }
 
     void apply(const DeviceVector& x, DeviceVector& y) override {
-        const auto& in = own<const KokkosVector<Real>>(x, "apply");
-        auto& out = own<KokkosVector<Real>>(y, "apply");
-        require_same_shape(x, y, "apply");
-        require(&x != &y, "apply", "input and output must be different vectors");
-        require(state_.size() > 0 && x.rows() == tables_.num_dofs(), "apply",
-                "call linearise(u) first and give vectors of three rows per node");
+        const auto& in = own<const KokkosVector<Real>>(x);
+        auto& out = own<KokkosVector<Real>>(y);
+        if (state_.size() == 0 || &x == &y || x.rows() != tables_.num_dofs() ||
+            y.rows() != x.rows() || y.columns() != x.columns())
+            refuse("Call linearise(u) first and give two vectors of three rows per node.");
         guarded("apply", [&] {
             const std::size_t size = 3 * tables_.elements.size() * x.columns();
             if (parts_.size() < size) parts_ = make_array<Real>(size);

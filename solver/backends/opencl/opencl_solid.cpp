@@ -3,7 +3,7 @@
 #include "solver/backends/opencl/opencl_solid.hpp"
 
 #include "solver/backends/opencl/device_solid.hpp"
-#include "solver/backends/opencl/opencl_vector.hpp"
+#include "solver/backends/opencl/opencl_objects.hpp"
 
 namespace palpate {
 namespace {
@@ -31,7 +31,8 @@ public:
     }
 
     void apply(const DeviceVector& x, DeviceVector& y) override {
-        const OpenclVector &in = vector_of(x, session_), &out = vector_of(y, session_);
+        const auto &in = own_of<const OpenclVector>(session_, x),
+                   &out = own_of<const OpenclVector>(session_, y);
         if (!solid_.has_state() || &x == &y || x.rows() != solid_.tables().num_dofs() ||
             y.rows() != x.rows() || y.columns() != x.columns())
             throw Error(ErrorCode::invalid_argument,
@@ -59,14 +60,6 @@ private:
 };
 
 }  // namespace
-
-const OpenclVector& vector_of(const DeviceVector& v, const Session& session) {
-    const auto* vector = dynamic_cast<const OpenclVector*>(&v);
-    if (!vector || vector->owner() != &session)
-        throw Error(ErrorCode::invalid_argument,
-                    "The vector belongs to another back end: make it with the one that uses it.");
-    return *vector;
-}
 
 std::unique_ptr<SolidDevice> make_opencl_solid(Session& session, const SolidModel& model) {
     return guarded("prepare element loops", [&] {

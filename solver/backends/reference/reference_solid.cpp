@@ -56,10 +56,9 @@ public:
     }
 
     void apply(const DeviceVector& x, DeviceVector& y) override {
-        require_same_shape(x, y, "apply");
-        require(!state_.empty() && x.rows() == tables_.num_dofs(), "apply",
-                "call linearise(u) first and give vectors of three rows per node");
-        require(&x != &y, "apply", "input and output must be different vectors");
+        if (state_.empty() || &x == &y || x.rows() != tables_.num_dofs() || y.rows() != x.rows() ||
+            y.columns() != x.columns())
+            refuse("Call linearise(u) first and give two vectors of three rows per node.");
         const HostValues& in = values_of(x);
         HostValues& out = values_of(y);
         out.setZero();
