@@ -298,4 +298,8 @@ void Backend::parameter_gradient(const DeviceVector& lambda, const DeviceVector&
     do_parameter_gradient(lambda, x, gradient);
 }
 
+std::unique_ptr<SolidDevice> Backend::make_solid(const SolidModel& model) {
+    return do_make_solid(solid_tables(model, describe().backend));
+}
+
 }  // namespace palpate

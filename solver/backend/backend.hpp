@@ -148,7 +148,7 @@ public:
     /// The element loops of large deformation for `model` (copied), beside the prepared one.
     /// Throws Error(invalid_argument) as `check_model` does, Error(unsupported) for what this back
     /// end has no loops for.
-    virtual std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) = 0;
+    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model);
 
     /// Returns when everything asked for has been done.
     virtual void wait() = 0;
@@ -185,6 +185,7 @@ protected:
     virtual void do_strain_energy(const DeviceVector& x, std::span<double> energy) = 0;
     virtual void do_parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
                                        std::span<double> gradient) = 0;
+    virtual std::unique_ptr<SolidDevice> do_make_solid(SolidTables tables) = 0;
 
 private:
     void multiply(const char* function, const OperatorProduct& product);

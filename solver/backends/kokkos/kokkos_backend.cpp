@@ -43,10 +43,6 @@ public:
         guarded("fill", [&] { Kokkos::deep_copy(values, static_cast<Real>(value)); });
     }
 
-    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) override {
-        return guarded("make_solid", [&] { return make_kokkos_solid<Real>(model); });
-    }
-
     void wait() override {
         guarded("wait", [] { Kokkos::fence(); });
     }
@@ -214,6 +210,10 @@ private:
                 gradient[region] = std::accumulate(work.begin(), work.end(), 0.0);
             }
         });
+    }
+
+    std::unique_ptr<SolidDevice> do_make_solid(SolidTables tables) override {
+        return guarded("make_solid", [&] { return make_kokkos_solid<Real>(std::move(tables)); });
     }
 
     static constexpr Precision precision() {

@@ -25,7 +25,6 @@ public:
 
     BackendInfo describe() const override;
     void fill(DeviceVector& v, double value) override;
-    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) override;
     void wait() override;
 
 private:
@@ -57,6 +56,7 @@ private:
     void do_strain_energy(const DeviceVector& x, std::span<double> energy) override;
     void do_parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
                                std::span<double> gradient) override;
+    std::unique_ptr<SolidDevice> do_make_solid(SolidTables tables) override;
 
     const cl::Buffer& buffer_of(const DeviceVector& v) const {
         return own_of<const OpenclVector>(session_, v).buffer();
@@ -316,8 +316,8 @@ void OpenclBackend::do_parameter_gradient(const DeviceVector& lambda, const Devi
     });
 }
 
-std::unique_ptr<SolidDevice> OpenclBackend::make_solid(const SolidModel& model) {
-    return make_opencl_solid(session_, model);
+std::unique_ptr<SolidDevice> OpenclBackend::do_make_solid(SolidTables tables) {
+    return make_opencl_solid(session_, std::move(tables));
 }
 
 void OpenclBackend::wait() {

@@ -60,10 +60,6 @@ public:
 
     void fill(DeviceVector& v, double value) override { values_of(v).setConstant(value); }
 
-    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) override {
-        return make_reference_solid(model);
-    }
-
     void wait() override {}
 
 private:
@@ -213,6 +209,10 @@ private:
             gradient[model_.mesh.region[t]] +=
                 (corners_lambda.array() * (unit_stiffness_[t] * corners_x).array()).sum();
         }
+    }
+
+    std::unique_ptr<SolidDevice> do_make_solid(SolidTables tables) override {
+        return make_reference_solid(std::move(tables));
     }
 
     bool is_assembled() const {
