@@ -57,9 +57,12 @@ struct BackendInfo {
 /// The operations that conjugate gradients, multigrid, the adjoint and condensation are written on.
 /// One object holds one model. Vectors have `columns` >= 1 columns; those of the model have
 /// 3 num_nodes rows (mm or mN). Functions may return before the device has done the work; those
-/// that give numbers to the host wait for them. All functions throw Error(device_failed) when the
-/// device reports an error, and Error(invalid_argument) on a size mismatch. Results are
-/// deterministic: sums have a fixed order.
+/// that give numbers to the host wait for them. Results are deterministic: sums have a fixed order.
+///
+/// All functions throw Error(device_failed) when the device reports an error, and
+/// Error(invalid_argument) on arguments that do not fit, which they name with their sizes. That is
+/// checked here, once; the `do_` function of the back end refuses only what it alone can know: what
+/// another back end made.
 class Backend {
 public:
     virtual ~Backend() = default;
@@ -68,85 +71,130 @@ public:
 
     /// Brings mesh, materials and prescribed flags to the device and computes element stiffness.
     /// Calls `check_model` first: no node number outside the mesh ever reaches a device.
-    virtual void prepare(const Model& model) = 0;
-    /// New Young's moduli [num materials], kPa, for the prepared model; geometry is kept.
-    virtual void set_stiffness(std::span<const double> stiffness_kpa) = 0;
+    void prepare(const Model& model);
+    /// New Young's moduli [num materials], kPa > 0, for the prepared model; geometry is kept.
+    void set_stiffness(std::span<const double> stiffness_kpa);
 
-    virtual std::unique_ptr<DeviceVector> make_vector(Index rows, Index columns) = 0;
+    std::unique_ptr<DeviceVector> make_vector(Index rows, Index columns);
     /// Host arrays are [rows, columns] row-major (column index fastest), fp64.
-    virtual void copy_in(std::span<const double> host, DeviceVector& v) = 0;
-    virtual void copy_out(const DeviceVector& v, std::span<double> host) = 0;
+    void copy_in(std::span<const double> host, DeviceVector& v);
+    void copy_out(const DeviceVector& v, std::span<double> host);
 
     /// to[:, to_columns[i]] = from[:, from_columns[i]]; other columns of `to` stay. `from` may
     /// belong to a back end of another precision on the same device.
-    virtual void copy_columns(const DeviceVector& from, std::span<const Index> from_columns,
-                              DeviceVector& to, std::span<const Index> to_columns) = 0;
+    void copy_columns(const DeviceVector& from, std::span<const Index> from_columns,
+                      DeviceVector& to, std::span<const Index> to_columns);
     virtual void fill(DeviceVector& v, double value) = 0;
 
-    virtual std::unique_ptr<DeviceSums> make_sums(Index columns) = 0;
-    virtual void set(DeviceSums& sums, std::span<const double> values) = 0;
-    virtual void read(const DeviceSums& sums, std::span<double> values) = 0;
+    std::unique_ptr<DeviceSums> make_sums(Index columns);
+    void set(DeviceSums& sums, std::span<const double> values);
+    void read(const DeviceSums& sums, std::span<double> values);
     /// xy_c = sum over rows of x_c y_c, accumulated in fp64 where the device has it.
-    virtual void dot(const DeviceVector& x, const DeviceVector& y, DeviceSums& xy) = 0;
+    void dot(const DeviceVector& x, const DeviceVector& y, DeviceSums& xy);
 
-    /// A matrix with at most 6 x 6 entries per block on the device.
+    /// A matrix with at most `max_block` x `max_block` entries per block on the device.
     ///   inverse_diagonal  [num_rows, b, b] inverted diagonal blocks of a square matrix, or empty:
     ///                     then `smooth` and `apply_inverse_diagonal` are refused
-    virtual std::unique_ptr<DeviceOperator> make_operator(
-        const BlockMatrix& matrix, std::span<const double> inverse_diagonal) = 0;
-    /// New values in the pattern that `a` was made with.
-    virtual void set_values(DeviceOperator& a, const BlockMatrix& matrix,
-                            std::span<const double> inverse_diagonal) = 0;
+    std::unique_ptr<DeviceOperator> make_operator(const BlockMatrix& matrix,
+                                                  std::span<const double> inverse_diagonal);
+    /// New values in the pattern that `a` was made with (of which sizes and number of blocks are
+    /// checked), and new inverted diagonal blocks if it was made with them.
+    void set_values(DeviceOperator& a, const BlockMatrix& matrix,
+                    std::span<const double> inverse_diagonal);
     /// The stiffness K of the prepared model on free dofs, the identity at prescribed dofs (rows
     /// and columns). Follows `set_stiffness`; valid until the next `prepare`.
-    virtual const DeviceOperator& stiffness() = 0;
+    const DeviceOperator& stiffness();
 
-    /// y = A x. `xy`, if given, receives x_c . y_c (A square).
-    virtual void apply(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y,
-                       DeviceSums* xy = nullptr) = 0;
-    /// y += A x
-    virtual void apply_add(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y) = 0;
-    /// r = b - A x
-    virtual void residual(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x,
-                          DeviceVector& r) = 0;
-    /// z = weight D^-1 r with the diagonal blocks D of `a`. `rz`, if given, receives r_c . z_c.
-    virtual void apply_inverse_diagonal(const DeviceOperator& a, double weight,
-                                        const DeviceVector& r, DeviceVector& z,
-                                        DeviceSums* rz = nullptr) = 0;
-    /// One step of a polynomial smoother for A x = b, from x to y:
+    /// y = A x, where y is another vector than x. `xy`, if given, receives x_c . y_c (A square).
+    void apply(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y,
+               DeviceSums* xy = nullptr);
+    /// y += A x, where y is another vector than x.
+    void apply_add(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y);
+    /// r = b - A x, where r is another vector than b and x.
+    void residual(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x,
+                  DeviceVector& r);
+    /// z = weight D^-1 r with the diagonal blocks D of `a`; z may be r. `rz`, if given, receives
+    /// r_c . z_c of the old r.
+    void apply_inverse_diagonal(const DeviceOperator& a, double weight, const DeviceVector& r,
+                                DeviceVector& z, DeviceSums* rz = nullptr);
+    /// One step of a polynomial smoother for A x = b, from x to y, another vector than b and x:
     ///   y = alpha x + beta y + weight D^-1 (b - A x)
     /// With beta == 0 the old content of y is not read. `by`, if given, receives b_c . y_c.
-    virtual void smooth(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x,
-                        double alpha, double beta, double weight, DeviceVector& y,
-                        DeviceSums* by = nullptr) = 0;
+    void smooth(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x, double alpha,
+                double beta, double weight, DeviceVector& y, DeviceSums* by = nullptr);
 
     /// Along the search directions p with q = A p, for every column c whose sum rr_c exceeds
     /// limit_c and whose pq_c is positive:
     ///   x += (rz / pq) p,  r -= (rz / pq) q
-    /// Other columns stay. `rr_new`, another object than `rr`, receives r_c . r_c of all columns.
-    virtual void advance(const DeviceSums& rz, const DeviceSums& pq, const DeviceSums& rr,
-                         const DeviceSums& limit, const DeviceVector& p, const DeviceVector& q,
-                         DeviceVector& x, DeviceVector& r, DeviceSums& rr_new) = 0;
+    /// Other columns stay. `rr_new`, another object than the other sums, receives r_c . r_c of all
+    /// columns.
+    void advance(const DeviceSums& rz, const DeviceSums& pq, const DeviceSums& rr,
+                 const DeviceSums& limit, const DeviceVector& p, const DeviceVector& q,
+                 DeviceVector& x, DeviceVector& r, DeviceSums& rr_new);
     /// p = z + (rz_new / rz) p, column by column; p = z where rz is not positive.
-    virtual void turn(const DeviceSums& rz_new, const DeviceSums& rz, const DeviceVector& z,
-                      DeviceVector& p) = 0;
+    void turn(const DeviceSums& rz_new, const DeviceSums& rz, const DeviceVector& z,
+              DeviceVector& p);
 
-    /// y = K x without regard to prescribed dofs: nodal forces (mN) of the displacement x (mm).
-    virtual void internal_force(const DeviceVector& x, DeviceVector& y) = 0;
+    /// y = K x without regard to prescribed dofs: nodal forces (mN) of the displacement x (mm),
+    /// another vector than y.
+    void internal_force(const DeviceVector& x, DeviceVector& y);
     /// energy_c = 1/2 x_c . K x_c (mN mm), unconstrained.
-    virtual void strain_energy(const DeviceVector& x, std::span<double> energy) = 0;
+    void strain_energy(const DeviceVector& x, std::span<double> energy);
     /// gradient[material] = sum over columns of lambda_c . K_r x_c with K_r the unit-modulus
     /// stiffness of region r (unconstrained): dK/dE_r = K_r.
-    virtual void parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
-                                    std::span<double> gradient) = 0;
+    void parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
+                            std::span<double> gradient);
 
     /// The element loops of large deformation for `model` (copied), beside the prepared one.
     /// Throws Error(invalid_argument) as `check_model` does, Error(unsupported) for what this back
     /// end has no loops for.
-    virtual std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) = 0;
+    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model);
 
     /// Returns when everything asked for has been done.
     virtual void wait() = 0;
+
+protected:
+    // The functions above, with arguments that fit. Of operators, `do_make_operator` makes the
+    // pattern and `do_set_values` brings the values.
+    virtual void do_prepare(const Model& model) = 0;
+    virtual void do_set_stiffness(std::span<const double> stiffness_kpa) = 0;
+    virtual std::unique_ptr<DeviceVector> do_make_vector(Index rows, Index columns) = 0;
+    virtual void do_copy_in(std::span<const double> host, DeviceVector& v) = 0;
+    virtual void do_copy_out(const DeviceVector& v, std::span<double> host) = 0;
+    virtual void do_copy_columns(const DeviceVector& from, std::span<const Index> from_columns,
+                                 DeviceVector& to, std::span<const Index> to_columns) = 0;
+    virtual std::unique_ptr<DeviceSums> do_make_sums(Index columns) = 0;
+    virtual void do_set(DeviceSums& sums, std::span<const double> values) = 0;
+    virtual void do_read(const DeviceSums& sums, std::span<double> values) = 0;
+    virtual void do_dot(const DeviceVector& x, const DeviceVector& y, DeviceSums& xy) = 0;
+    virtual std::unique_ptr<DeviceOperator> do_make_operator(const BlockMatrix& matrix,
+                                                             bool has_inverse_diagonal) = 0;
+    virtual void do_set_values(DeviceOperator& a, const BlockMatrix& matrix,
+                               std::span<const double> inverse_diagonal) = 0;
+    virtual const DeviceOperator& do_stiffness() = 0;
+    virtual void do_multiply(const OperatorProduct& product) = 0;
+    virtual void do_apply_inverse_diagonal(const DeviceOperator& a, double weight,
+                                           const DeviceVector& r, DeviceVector& z,
+                                           DeviceSums* rz) = 0;
+    virtual void do_advance(const DeviceSums& rz, const DeviceSums& pq, const DeviceSums& rr,
+                            const DeviceSums& limit, const DeviceVector& p, const DeviceVector& q,
+                            DeviceVector& x, DeviceVector& r, DeviceSums& rr_new) = 0;
+    virtual void do_turn(const DeviceSums& rz_new, const DeviceSums& rz, const DeviceVector& z,
+                         DeviceVector& p) = 0;
+    virtual void do_internal_force(const DeviceVector& x, DeviceVector& y) = 0;
+    virtual void do_strain_energy(const DeviceVector& x, std::span<double> energy) = 0;
+    virtual void do_parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
+                                       std::span<double> gradient) = 0;
+    virtual std::unique_ptr<SolidDevice> do_make_solid(SolidTables tables) = 0;
+
+private:
+    void multiply(const char* function, const OperatorProduct& product);
+    void require_model(const char* function) const;
+    void require_dofs(const char* function, const DeviceVector& v) const;
+
+    bool has_model_ = false;
+    Index num_dofs_ = 0;
+    std::size_t num_materials_ = 0;
 };
 
 }  // namespace palpate

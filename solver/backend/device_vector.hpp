@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+
 #include "solver/base/types.hpp"
 
 namespace palpate {
@@ -17,6 +19,7 @@ public:
 
     Index rows() const { return rows_; }
     Index columns() const { return columns_; }
+    std::size_t size() const { return static_cast<std::size_t>(rows_) * columns_; }
 
 private:
     Index rows_;

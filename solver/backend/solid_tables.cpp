@@ -11,15 +11,11 @@
 namespace palpate {
 namespace {
 
-[[noreturn]] void refuse(ErrorCode code, const std::string& backend, const char* function,
-                         const std::string& what) {
-    throw Error(code, "Back end " + backend + ", " + function + ": " + what + ".");
-}
-
 void refuse_unsupported(const SolidModel& model, const std::string& backend) {
     const auto unsupported = [&](const std::string& what) {
-        refuse(ErrorCode::unsupported, backend, "make_solid",
-               what + " are not implemented on devices; solve such a model on the host");
+        throw Error(ErrorCode::unsupported,
+                    "Back end " + backend + ", make_solid: " + what +
+                        " are not implemented on devices; solve such a model on the host.");
     };
     if (model.mesh.formulation == Formulation::plane_stress)
         unsupported("element loops of plane stress");
@@ -107,23 +103,6 @@ Adjacency places_of(std::span<const Index> values, Index count) {
     for (std::size_t k = 0; k < values.size(); ++k)
         places.items[next[values[k]]++] = static_cast<Index>(k);
     return places;
-}
-
-void require_displacement(const SolidTables& tables, std::span<const double> u,
-                          const std::string& backend, const char* function) {
-    if (u.size() == static_cast<std::size_t>(tables.num_dofs())) return;
-    refuse(ErrorCode::invalid_argument, backend, function,
-           "a displacement needs 3 numbers per node, " + std::to_string(tables.num_dofs()) +
-               ", not " + std::to_string(u.size()));
-}
-
-void require_pattern(const SolidTables& tables, const BlockMatrix& matrix,
-                     const std::string& backend) {
-    if (matrix.block_size() == 9 && matrix.graph.items == tables.graph.items &&
-        matrix.blocks.size() == 9 * tables.graph.items.size())
-        return;
-    refuse(ErrorCode::invalid_argument, backend, "tangent",
-           "the matrix needs 3x3 blocks in the pattern of the mesh's node_graph");
 }
 
 bool is_valid_force(double energy, std::span<const double> force) {

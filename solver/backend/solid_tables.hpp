@@ -44,12 +44,6 @@ SolidTables solid_tables(const SolidModel& model, const std::string& backend);
 /// results of elements to nodes or blocks in a fixed order.
 Adjacency places_of(std::span<const Index> values, Index count);
 
-/// Throw Error(invalid_argument) naming back end and function.
-void require_displacement(const SolidTables& tables, std::span<const double> u,
-                          const std::string& backend, const char* function);
-void require_pattern(const SolidTables& tables, const BlockMatrix& matrix,
-                     const std::string& backend);
-
 /// The force and its validity from what the elements store, [num_elements] mN mm.
 bool is_valid_force(double energy, std::span<const double> force);
 

@@ -278,21 +278,42 @@ TEST_P(SolidContract, WhatItHasNoLoopsForIsRefusedByName) {
     }
 }
 
-TEST_P(SolidContract, WrongSizesAreRefused) {
+TEST_P(SolidContract, ArgumentsThatDoNotFitAreRefused) {
+    class ForeignVector final : public DeviceVector {
+        using DeviceVector::DeviceVector;
+    };
     const SolidModel model = solid_model(solid_meshes()[0], solid_materials()[1]);
     const auto solid = backend->make_solid(model);
     const Eigen::VectorXd u = bent(model, 0.1), shorter = u.head(u.size() - 1);
+    BlockMatrix flat = SolidAssembly(model).make_matrix(), other_rows = flat, fewer = flat;
+    flat.block_rows = 1;
+    flat.block_columns = 9;
+    ++other_rows.graph.offsets[1];
+    fewer.blocks.resize(fewer.blocks.size() - 9);
     BlockMatrix empty;
-    const auto x = backend->make_vector(model.num_dofs(), 1), y = backend->make_vector(3, 1);
-    const auto fails = ErrorCode::invalid_argument;
+    const auto x = backend->make_vector(model.num_dofs(), 1),
+               y = backend->make_vector(model.num_dofs(), 1);
+    ForeignVector foreign(model.num_dofs(), 1);
+    const auto refuses = [](const auto& call) {
+        return code_of(call) == ErrorCode::invalid_argument;
+    };
 
-    EXPECT_EQ(code_of([&] { solid->internal_force(span_of(shorter)); }), fails);
-    EXPECT_EQ(code_of([&] { solid->tangent(span_of(u), empty); }), fails);
-    EXPECT_EQ(code_of([&] { solid->parameter_products(span_of(u), span_of(shorter)); }), fails);
-    EXPECT_EQ(code_of([&] { solid->apply(*x, *backend->make_vector(x->rows(), 1)); }), fails);
+    EXPECT_TRUE(refuses([&] { solid->internal_force(span_of(shorter)); }));
+    EXPECT_TRUE(refuses([&] { solid->linearise(span_of(shorter)); }));
+    EXPECT_TRUE(refuses([&] { solid->apply(*x, *y); })) << "not linearised";
+    BlockMatrix good = SolidAssembly(model).make_matrix();
+    EXPECT_TRUE(refuses([&] { solid->tangent(span_of(shorter), good); }));
+    for (BlockMatrix* matrix : {&empty, &flat, &other_rows, &fewer})
+        EXPECT_TRUE(refuses([&] { solid->tangent(span_of(u), *matrix); }));
+    EXPECT_TRUE(refuses([&] { solid->parameter_products(span_of(u), span_of(shorter)); }));
+    EXPECT_TRUE(refuses([&] { solid->parameter_products(span_of(shorter), span_of(u)); }));
     solid->linearise(span_of(u));
-    EXPECT_EQ(code_of([&] { solid->apply(*x, *y); }), fails);
-    EXPECT_EQ(code_of([&] { solid->apply(*x, *x); }), fails);
+    EXPECT_TRUE(refuses([&] { solid->apply(*x, *backend->make_vector(3, 1)); }));
+    EXPECT_TRUE(refuses([&] { solid->apply(*x, *backend->make_vector(x->rows(), 2)); }));
+    EXPECT_TRUE(refuses([&] { solid->apply(*backend->make_vector(3, 1), *y); }));
+    EXPECT_TRUE(refuses([&] { solid->apply(*x, *x); }));
+    EXPECT_TRUE(refuses([&] { solid->apply(foreign, *y); }));
+    EXPECT_TRUE(refuses([&] { solid->apply(*x, foreign); }));
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryBackend, SolidContract, testing::ValuesIn(every_case()), case_name);

@@ -9,6 +9,7 @@
 
 #include "solver/backend/device_operator.hpp"
 #include "solver/backend/device_vector.hpp"
+#include "solver/backend/own_argument.hpp"
 #include "solver/backends/kokkos/session.hpp"
 #include "solver/base/error.hpp"
 
@@ -94,20 +95,12 @@ class KokkosOperator final : public DeviceOperator {
     KokkosLease lease_;
 
 public:
-    KokkosOperator(Index rows, Index columns, bool stiffness, int rows_of_block,
-                   int columns_of_block)
-        : DeviceOperator(rows, columns),
-          is_stiffness(stiffness),
-          block_rows(rows_of_block),
-          block_columns(columns_of_block) {}
+    using DeviceOperator::DeviceOperator;
 
-    bool is_stiffness;
-    int block_rows;
-    int block_columns;
-    Array<Index> offsets;          ///< [rows / block_rows + 1]
+    Array<Index> offsets;          ///< [rows / block_rows() + 1]
     Array<Index> items;            ///< block columns
-    Array<Real> blocks;            ///< [items, block_rows, block_columns]
-    Array<Real> inverse_diagonal;  ///< [rows / block_rows, block_rows, block_rows] or empty
+    Array<Real> blocks;            ///< [items, block_rows(), block_columns()]
+    Array<Real> inverse_diagonal;  ///< [rows / block_rows(), block_rows(), block_rows()] or empty
 };
 
 }  // namespace palpate

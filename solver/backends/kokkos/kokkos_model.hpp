@@ -75,7 +75,7 @@ KokkosModel<Real>::KokkosModel(const Model& model)
       materials_(model.materials),
       prescribed_(array_of(model.prescribed)),
       lame_(make_array<double>(2 * model.materials.size())),
-      stiffness_(model.num_dofs(), model.num_dofs(), true, 3, 3) {
+      stiffness_(model.num_dofs()) {
     copy_mesh(model.mesh);
     sort_tets_by_region(model.mesh);
     const Adjacency graph = node_graph(model.mesh);

@@ -5,9 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "solver/backend/solid_tables.hpp"
-#include "solver/backends/kokkos/checks.hpp"
 #include "solver/backends/kokkos/device_arrays.hpp"
+#include "solver/backends/kokkos/guarded.hpp"
 #include "solver/backends/kokkos/solid_loops.hpp"
 #include "solver/materials/registry.hpp"
 
@@ -110,28 +109,28 @@ class KokkosSolid final : public SolidDevice {
     KokkosLease lease_;  // before all memory: it goes last
 
 public:
-    explicit KokkosSolid(const SolidModel& model)
-        : tables_(solid_tables(model, "kokkos")),
-          mesh_(tables_),
-          nodes_(tables_.elements, tables_.num_nodes),
-          blocks_(tables_.blocks, static_cast<Index>(tables_.graph.items.size())) {
-        for (const LawElements& own : tables_.laws)
-            for (const SolidMaterial& material : tables_.materials) {
+    explicit KokkosSolid(SolidTables of_model)
+        : SolidDevice(std::move(of_model)),
+          mesh_(tables()),
+          nodes_(tables().elements, tables().num_nodes),
+          blocks_(tables().blocks, static_cast<Index>(tables().graph.items.size())) {
+        for (const LawElements& own : tables().laws)
+            for (const SolidMaterial& material : tables().materials) {
                 if (material.law != own.law) continue;
                 with_material_law<Real>(own.law, material.parameters, [&](const auto& law) {
                     using Law = std::decay_t<decltype(law)>;
-                    loops_.push_back(std::make_unique<LoopsOf<Law>>(law, mesh_, tables_, own));
+                    loops_.push_back(std::make_unique<LoopsOf<Law>>(law, mesh_, tables(), own));
                 });
                 break;
             }
     }
 
-    SolidForce internal_force(std::span<const double> u) override {
-        check(u, "internal_force");
+private:
+    SolidForce do_internal_force(std::span<const double> u) override {
         return guarded("internal_force", [&] {
             const Array<Real> state = array_of<Real, double>(u);
-            const Array<Real> energy = make_array<Real>(tables_.region.size());
-            const Array<Real> parts = make_array<Real>(3 * tables_.elements.size());
+            const Array<Real> energy = make_array<Real>(tables().region.size());
+            const Array<Real> parts = make_array<Real>(3 * tables().elements.size());
             const Array<Real> force = make_array<Real>(u.size());
             for (const auto& law : loops_) law->force(state.data(), energy.data(), parts.data());
             nodes_.run(parts.data(), force.data(), 3);
@@ -139,34 +138,27 @@ public:
         });
     }
 
-    void tangent(std::span<const double> u, BlockMatrix& matrix) override {
-        check(u, "tangent");
-        require_pattern(tables_, matrix, "kokkos");
+    void do_tangent(std::span<const double> u, std::span<double> blocks) override {
         guarded("tangent", [&] {
             const Array<Real> state = array_of<Real, double>(u);
-            const Array<Real> sums = make_array<Real>(matrix.blocks.size());
+            const Array<Real> sums = make_array<Real>(blocks.size());
             if (element_blocks_.size() == 0)
-                element_blocks_ = make_array<Real>(9 * tables_.blocks.size());
+                element_blocks_ = make_array<Real>(9 * tables().blocks.size());
             for (const auto& law : loops_) law->tangent(state.data(), element_blocks_.data());
             blocks_.run(element_blocks_.data(), sums.data(), 9);
-            read_array(sums, std::span<double>(matrix.blocks));
+            read_array(sums, blocks);
         });
     }
 
-    void linearise(std::span<const double> u) override {
-        check(u, "linearise");
+    void do_linearise(std::span<const double> u) override {
         guarded("linearise", [&] { state_ = array_of<Real, double>(u); });
     }
 
-    void apply(const DeviceVector& x, DeviceVector& y) override {
-        const auto& in = own<const KokkosVector<Real>>(x, "apply");
-        auto& out = own<KokkosVector<Real>>(y, "apply");
-        require_same_shape(x, y, "apply");
-        require(&x != &y, "apply", "input and output must be different vectors");
-        require(state_.size() > 0 && x.rows() == tables_.num_dofs(), "apply",
-                "call linearise(u) first and give vectors of three rows per node");
+    void do_apply(const DeviceVector& x, DeviceVector& y) override {
+        const auto& in = own<const KokkosVector<Real>>(x);
+        auto& out = own<KokkosVector<Real>>(y);
         guarded("apply", [&] {
-            const std::size_t size = 3 * tables_.elements.size() * x.columns();
+            const std::size_t size = 3 * tables().elements.size() * x.columns();
             if (parts_.size() < size) parts_ = make_array<Real>(size);
             for (const auto& law : loops_)
                 law->product(state_.data(), in.values.data(), x.columns(), parts_.data());
@@ -174,25 +166,19 @@ public:
         });
     }
 
-    std::vector<std::vector<double>> parameter_products(std::span<const double> u,
-                                                        std::span<const double> lambda) override {
-        check(u, "parameter_products");
-        check(lambda, "parameter_products");
+    std::vector<std::vector<double>> do_parameter_products(
+        std::span<const double> u, std::span<const double> lambda) override {
         return guarded("parameter_products", [&] {
-            const auto stride = static_cast<int>(tables_.most_parameters());
+            const auto stride = static_cast<int>(tables().most_parameters());
             const Array<Real> state = array_of<Real, double>(u);
             const Array<Real> weights = array_of<Real, double>(lambda);
-            const Array<Real> parts = make_array<Real>(stride * tables_.region.size());
+            const Array<Real> parts = make_array<Real>(stride * tables().region.size());
             for (const auto& law : loops_)
                 law->parameters(state.data(), weights.data(), stride, parts.data());
-            return sum_by_material(tables_, numbers_of(parts));
+            return sum_by_material(tables(), numbers_of(parts));
         });
     }
 
-private:
-    void check(std::span<const double> u, const char* function) const {
-        require_displacement(tables_, u, "kokkos", function);
-    }
     static std::vector<double> numbers_of(const Array<Real>& array) {
         std::vector<double> numbers(array.size());
         read_array(array, std::span<double>(numbers));
@@ -206,7 +192,6 @@ private:
         return result;
     }
 
-    SolidTables tables_;
     DeviceSolidMesh<Real> mesh_;
     GatherLists nodes_, blocks_;
     std::vector<std::unique_ptr<LawLoops<Real>>> loops_;
@@ -218,10 +203,10 @@ private:
 }  // namespace
 
 template <typename Real>
-std::unique_ptr<SolidDevice> make_kokkos_solid(const SolidModel& model) {
-    return std::make_unique<KokkosSolid<Real>>(model);
+std::unique_ptr<SolidDevice> make_kokkos_solid(SolidTables tables) {
+    return std::make_unique<KokkosSolid<Real>>(std::move(tables));
 }
-template std::unique_ptr<SolidDevice> make_kokkos_solid<float>(const SolidModel&);
-template std::unique_ptr<SolidDevice> make_kokkos_solid<double>(const SolidModel&);
+template std::unique_ptr<SolidDevice> make_kokkos_solid<float>(SolidTables);
+template std::unique_ptr<SolidDevice> make_kokkos_solid<double>(SolidTables);
 
 }  // namespace palpate

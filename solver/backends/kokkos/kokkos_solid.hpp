@@ -5,13 +5,12 @@
 #include <memory>
 
 #include "solver/backend/solid_device.hpp"
-#include "solver/model/solid_model.hpp"
 
 namespace palpate {
 
 /// One parallel loop over the elements of each law, then one over nodes or blocks that gathers
 /// their results. `Real`: float or double.
 template <typename Real>
-std::unique_ptr<SolidDevice> make_kokkos_solid(const SolidModel& model);
+std::unique_ptr<SolidDevice> make_kokkos_solid(SolidTables tables);
 
 }  // namespace palpate

@@ -6,17 +6,11 @@
 
 namespace palpate {
 
-enum class StepKind { product, add, residual, smooth };
-
-/// What one pass over an operator A does, by kind:
-///   product   y = A x,                                      sums += x . y (A square)
-///   add       y += A x
-///   residual  y = b - A x
-///   smooth    y = alpha x + beta y + weight D^-1 (b - A x),  sums += b . y (A square)
-/// With beta == 0 the old y is not read.
+/// One pass over an operator A (see `RowResult`): `apply` adds x . y to the sums if A is square,
+/// `smooth` adds b . y.
 template <typename Real>
 struct OperatorStep {
-    StepKind kind;
+    RowResult result;
     const Real* x;
     const Real* b;
     Real* y;
@@ -45,7 +39,7 @@ struct OperatorBody {
             rows.template multiply<width>(n, step.x + column, step.columns, product);
             const std::int64_t at =
                 static_cast<std::int64_t>(n) * rows.block_rows() * step.columns + column;
-            if (step.kind == StepKind::smooth)
+            if (step.result == RowResult::smooth)
                 smooth(n, at, product, sums);
             else
                 for (int i = 0; i < rows.block_rows(); ++i)
@@ -57,13 +51,13 @@ struct OperatorBody {
     KOKKOS_INLINE_FUNCTION void write_row(std::int64_t at, Lanes<Real, width>& product,
                                           Lanes<double, width>& sums) const {
         Lanes<Real, width> other;
-        if (step.kind == StepKind::product && step.is_square) {
+        if (step.result == RowResult::apply && step.is_square) {
             other.load(step.x + at);
             sums.add_wide_product(other, product);
-        } else if (step.kind == StepKind::add) {
+        } else if (step.result == RowResult::add) {
             other.load(step.y + at);
             product.add(other);
-        } else if (step.kind == StepKind::residual) {
+        } else if (step.result == RowResult::residual) {
             other.load(step.b + at);
             product.subtract_from(other);
         }

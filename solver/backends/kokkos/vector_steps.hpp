@@ -124,8 +124,6 @@ struct CopyColumns {
     }
 };
 
-constexpr int max_block = 6;  ///< rows and columns of a block of any matrix
-
 /// out = weight D in with one block D of `block` rows.
 template <typename Real, int width>
 KOKKOS_INLINE_FUNCTION void multiply_block(const Real* d, int block, Real weight,

@@ -4,13 +4,11 @@
 
 #include <span>
 
+#include "solver/backend/device_operator.hpp"
 #include "solver/backends/opencl/session.hpp"
 #include "solver/model/block_matrix.hpp"
 
 namespace palpate {
-
-/// What the rows of a product A x become: MODE of kernels/row_result.cl.
-enum class RowResult { apply = 0, add = 1, residual = 2, smooth = 3 };
 
 /// One product and where its rows go.
 struct RowJob {

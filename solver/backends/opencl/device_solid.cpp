@@ -36,8 +36,8 @@ std::vector<double> coefficients_of(const std::vector<SolidMaterial>& materials,
 
 }  // namespace
 
-DeviceSolid::DeviceSolid(Session& session, SolidTables tables)
-    : session_(session), tables_(std::move(tables)) {
+DeviceSolid::DeviceSolid(Session& session, const SolidTables& tables)
+    : session_(session), tables_(tables) {
     elements_ = session_.upload(tables_.elements);
     region_ = session_.upload(tables_.region);
     points_ = session_.upload_real(tables_.points);
@@ -96,10 +96,7 @@ void DeviceSolid::tangent(std::span<const double> u, std::span<double> blocks) {
     session_.read_real(sums, blocks);
 }
 
-void DeviceSolid::linearise(std::span<const double> u) {
-    session_.write_real(u, state_);
-    has_state_ = true;
-}
+void DeviceSolid::linearise(std::span<const double> u) { session_.write_real(u, state_); }
 
 void DeviceSolid::apply(const cl::Buffer& x, const cl::Buffer& y, std::size_t num_columns) {
     const std::size_t held = std::min(num_columns, max_pass_columns);

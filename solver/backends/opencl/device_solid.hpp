@@ -15,10 +15,8 @@ namespace palpate {
 /// kernels/solid_*.cl say what each buffer holds. Displacements are [3 num_nodes] mm.
 class DeviceSolid {
 public:
-    DeviceSolid(Session& session, SolidTables tables);
-
-    const SolidTables& tables() const { return tables_; }
-    bool has_state() const { return has_state_; }
+    /// `tables` outlive it.
+    DeviceSolid(Session& session, const SolidTables& tables);
 
     SolidForce internal_force(std::span<const double> u);
     /// Into blocks [graph.items, 9].
@@ -46,7 +44,7 @@ private:
                          std::size_t width);
 
     Session& session_;
-    SolidTables tables_;
+    const SolidTables& tables_;
     std::vector<Law> laws_;
     cl::Buffer elements_, region_, points_;
     cl::Buffer node_start_, node_corners_, block_start_, block_items_;
@@ -54,7 +52,6 @@ private:
     cl::Buffer element_blocks_;  ///< of the elements, for `tangent`
     cl::Buffer forces_;          ///< of the elements, for a product
     std::size_t forces_columns_ = 0;
-    bool has_state_ = false;
 };
 
 }  // namespace palpate

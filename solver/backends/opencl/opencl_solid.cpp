@@ -3,55 +3,40 @@
 #include "solver/backends/opencl/opencl_solid.hpp"
 
 #include "solver/backends/opencl/device_solid.hpp"
-#include "solver/backends/opencl/opencl_vector.hpp"
+#include "solver/backends/opencl/opencl_objects.hpp"
 
 namespace palpate {
 namespace {
 
-/// What `DeviceSolid` does, behind checks of what it is given.
 class OpenclSolid final : public SolidDevice {
 public:
-    OpenclSolid(Session& session, SolidTables tables)
-        : session_(session), solid_(session, std::move(tables)) {}
+    OpenclSolid(Session& session, SolidTables of_model)
+        : SolidDevice(std::move(of_model)), session_(session), solid_(session, tables()) {}
 
-    SolidForce internal_force(std::span<const double> u) override {
-        check(u, "internal_force");
+private:
+    SolidForce do_internal_force(std::span<const double> u) override {
         return guarded("compute internal forces", [&] { return solid_.internal_force(u); });
     }
 
-    void tangent(std::span<const double> u, BlockMatrix& matrix) override {
-        check(u, "tangent");
-        require_pattern(solid_.tables(), matrix, "opencl");
-        guarded("assemble the tangent", [&] { solid_.tangent(u, matrix.blocks); });
+    void do_tangent(std::span<const double> u, std::span<double> blocks) override {
+        guarded("assemble the tangent", [&] { solid_.tangent(u, blocks); });
     }
 
-    void linearise(std::span<const double> u) override {
-        check(u, "linearise");
+    void do_linearise(std::span<const double> u) override {
         guarded("copy a displacement", [&] { solid_.linearise(u); });
     }
 
-    void apply(const DeviceVector& x, DeviceVector& y) override {
-        const OpenclVector &in = vector_of(x, session_), &out = vector_of(y, session_);
-        if (!solid_.has_state() || &x == &y || x.rows() != solid_.tables().num_dofs() ||
-            y.rows() != x.rows() || y.columns() != x.columns())
-            throw Error(ErrorCode::invalid_argument,
-                        "Back end opencl, apply: call linearise(u) first and give two vectors of "
-                        "three rows per node and as many columns.");
+    void do_apply(const DeviceVector& x, DeviceVector& y) override {
+        const auto &in = own_of<const OpenclVector>(session_, x),
+                   &out = own_of<const OpenclVector>(session_, y);
         guarded("multiply with the tangent",
                 [&] { solid_.apply(in.buffer(), out.buffer(), x.columns()); });
     }
 
-    std::vector<std::vector<double>> parameter_products(std::span<const double> u,
-                                                        std::span<const double> lambda) override {
-        check(u, "parameter_products");
-        check(lambda, "parameter_products");
+    std::vector<std::vector<double>> do_parameter_products(
+        std::span<const double> u, std::span<const double> lambda) override {
         return guarded("compute parameter products",
                        [&] { return solid_.parameter_products(u, lambda); });
-    }
-
-private:
-    void check(std::span<const double> u, const char* function) const {
-        require_displacement(solid_.tables(), u, "opencl", function);
     }
 
     Session& session_;
@@ -60,18 +45,9 @@ private:
 
 }  // namespace
 
-const OpenclVector& vector_of(const DeviceVector& v, const Session& session) {
-    const auto* vector = dynamic_cast<const OpenclVector*>(&v);
-    if (!vector || vector->owner() != &session)
-        throw Error(ErrorCode::invalid_argument,
-                    "The vector belongs to another back end: make it with the one that uses it.");
-    return *vector;
-}
-
-std::unique_ptr<SolidDevice> make_opencl_solid(Session& session, const SolidModel& model) {
-    return guarded("prepare element loops", [&] {
-        return std::make_unique<OpenclSolid>(session, solid_tables(model, "opencl"));
-    });
+std::unique_ptr<SolidDevice> make_opencl_solid(Session& session, SolidTables tables) {
+    return guarded("prepare element loops",
+                   [&] { return std::make_unique<OpenclSolid>(session, std::move(tables)); });
 }
 
 }  // namespace palpate

@@ -6,11 +6,10 @@
 
 #include "solver/backend/solid_device.hpp"
 #include "solver/backends/opencl/session.hpp"
-#include "solver/model/solid_model.hpp"
 
 namespace palpate {
 
-/// The element loops of `model` in the queue of `session`, which outlives them.
-std::unique_ptr<SolidDevice> make_opencl_solid(Session& session, const SolidModel& model);
+/// The element loops of one model in the queue of `session`, which outlives them.
+std::unique_ptr<SolidDevice> make_opencl_solid(Session& session, SolidTables tables);
 
 }  // namespace palpate

@@ -4,10 +4,9 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <string>
 
 #include "solver/backend/device_vector.hpp"
-#include "solver/base/error.hpp"
+#include "solver/backend/own_argument.hpp"
 
 namespace palpate::reference {
 
@@ -23,19 +22,8 @@ public:
 };
 
 inline const HostValues& values_of(const DeviceVector& v) {
-    return dynamic_cast<const HostVector&>(v).values;
+    return own<const HostVector>(v).values;
 }
-inline HostValues& values_of(DeviceVector& v) { return dynamic_cast<HostVector&>(v).values; }
-
-inline void require(bool holds, const char* function, const char* what) {
-    if (!holds)
-        throw Error(ErrorCode::invalid_argument,
-                    std::string("Back end reference, ") + function + ": " + what + ".");
-}
-
-inline void require_same_shape(const DeviceVector& x, const DeviceVector& y, const char* function) {
-    require(x.rows() == y.rows() && x.columns() == y.columns(), function,
-            "the vectors differ in rows or columns");
-}
+inline HostValues& values_of(DeviceVector& v) { return own<HostVector>(v).values; }
 
 }  // namespace palpate::reference

@@ -27,20 +27,14 @@ public:
 /// A block matrix as plain compressed rows, or the stiffness of the back end's model.
 class HostOperator final : public DeviceOperator {
 public:
-    HostOperator(Index rows, Index columns, bool of_model)
-        : DeviceOperator(rows, columns), is_stiffness(of_model) {}
-    bool is_stiffness;
+    using DeviceOperator::DeviceOperator;
     Sparse matrix;
-    int block = 0;                         ///< rows of a diagonal block, 0: none known
-    std::vector<double> inverse_diagonal;  ///< [rows / block, block, block]
+    std::vector<double> inverse_diagonal;  ///< [rows / block, block, block] or empty
 };
 
-const HostOperator& operator_of(const DeviceOperator& a) {
-    return dynamic_cast<const HostOperator&>(a);
-}
-std::vector<double>& numbers_of(DeviceSums& sums) { return dynamic_cast<HostSums&>(sums).values; }
+std::vector<double>& numbers_of(DeviceSums& sums) { return own<HostSums>(sums).values; }
 const std::vector<double>& numbers_of(const DeviceSums& sums) {
-    return dynamic_cast<const HostSums&>(sums).values;
+    return own<const HostSums>(sums).values;
 }
 
 std::string eigen_version() {
@@ -64,209 +58,150 @@ public:
                 .type = "host"};
     }
 
-    void prepare(const Model& model) override {
-        check_model(model);
+    void fill(DeviceVector& v, double value) override { values_of(v).setConstant(value); }
+
+    void wait() override {}
+
+private:
+    void do_prepare(const Model& model) override {
         model_ = model;
         compute_element_stiffness();
-        stiffness_operator_ =
-            std::make_unique<HostOperator>(model_.num_dofs(), model_.num_dofs(), true);
+        stiffness_operator_ = std::make_unique<HostOperator>(model_.num_dofs());
         update_matrices();
     }
 
-    void set_stiffness(std::span<const double> stiffness_kpa) override {
-        require(stiffness_kpa.size() == model_.materials.size(), "set_stiffness",
-                "one modulus per material is needed");
-        for (std::size_t r = 0; r < stiffness_kpa.size(); ++r) {
-            require(stiffness_kpa[r] > 0, "set_stiffness", "every modulus must be above 0 kPa");
+    void do_set_stiffness(std::span<const double> stiffness_kpa) override {
+        for (std::size_t r = 0; r < stiffness_kpa.size(); ++r)
             model_.materials[r].stiffness_kpa = stiffness_kpa[r];
-        }
         update_matrices();
     }
 
-    std::unique_ptr<DeviceVector> make_vector(Index rows, Index columns) override {
-        require(rows >= 0 && columns >= 1, "make_vector", "rows >= 0 and columns >= 1 are needed");
+    std::unique_ptr<DeviceVector> do_make_vector(Index rows, Index columns) override {
         return std::make_unique<HostVector>(rows, columns);
     }
 
-    void copy_in(std::span<const double> host, DeviceVector& v) override {
-        Values& values = values_of(v);
-        require(host.size() == static_cast<std::size_t>(values.size()), "copy_in",
-                "the host array has another size than the vector");
-        std::copy(host.begin(), host.end(), values.data());
+    void do_copy_in(std::span<const double> host, DeviceVector& v) override {
+        std::copy(host.begin(), host.end(), values_of(v).data());
     }
 
-    void copy_out(const DeviceVector& v, std::span<double> host) override {
-        const Values& values = values_of(v);
-        require(host.size() == static_cast<std::size_t>(values.size()), "copy_out",
-                "the host array has another size than the vector");
-        std::copy(values.data(), values.data() + values.size(), host.begin());
+    void do_copy_out(const DeviceVector& v, std::span<double> host) override {
+        std::copy_n(values_of(v).data(), host.size(), host.begin());
     }
 
-    void fill(DeviceVector& v, double value) override { values_of(v).setConstant(value); }
-
-    void copy_columns(const DeviceVector& from, std::span<const Index> from_columns,
-                      DeviceVector& to, std::span<const Index> to_columns) override {
-        require(from.rows() == to.rows() && from_columns.size() == to_columns.size(),
-                "copy_columns", "rows and numbers of columns must agree");
-        for (std::size_t i = 0; i < from_columns.size(); ++i) {
-            require(from_columns[i] >= 0 && from_columns[i] < from.columns() &&
-                        to_columns[i] >= 0 && to_columns[i] < to.columns(),
-                    "copy_columns", "a column does not exist");
+    void do_copy_columns(const DeviceVector& from, std::span<const Index> from_columns,
+                         DeviceVector& to, std::span<const Index> to_columns) override {
+        for (std::size_t i = 0; i < from_columns.size(); ++i)
             values_of(to).col(to_columns[i]) = values_of(from).col(from_columns[i]);
-        }
     }
 
-    std::unique_ptr<DeviceSums> make_sums(Index columns) override {
-        require(columns >= 1, "make_sums", "columns >= 1 are needed");
+    std::unique_ptr<DeviceSums> do_make_sums(Index columns) override {
         return std::make_unique<HostSums>(columns);
     }
 
-    void set(DeviceSums& sums, std::span<const double> values) override {
-        require_columns(sums, values.size(), "set");
+    void do_set(DeviceSums& sums, std::span<const double> values) override {
         numbers_of(sums).assign(values.begin(), values.end());
     }
 
-    void read(const DeviceSums& sums, std::span<double> values) override {
-        require_columns(sums, values.size(), "read");
+    void do_read(const DeviceSums& sums, std::span<double> values) override {
         std::copy(numbers_of(sums).begin(), numbers_of(sums).end(), values.begin());
     }
 
-    void dot(const DeviceVector& x, const DeviceVector& y, DeviceSums& xy) override {
-        require_same_shape(x, y, "dot");
-        require_columns(xy, x.columns(), "dot");
-        for (Index c = 0; c < x.columns(); ++c)
-            numbers_of(xy)[c] = x.rows() == 0 ? 0 : values_of(x).col(c).dot(values_of(y).col(c));
+    void do_dot(const DeviceVector& x, const DeviceVector& y, DeviceSums& xy) override {
+        sum_products(values_of(x), values_of(y), xy);
     }
 
-    std::unique_ptr<DeviceOperator> make_operator(
-        const BlockMatrix& matrix, std::span<const double> inverse_diagonal) override {
-        auto a = std::make_unique<HostOperator>(matrix.num_rows() * matrix.block_rows,
-                                                matrix.num_columns * matrix.block_columns, false);
-        set_values(*a, matrix, inverse_diagonal);
-        return a;
+    std::unique_ptr<DeviceOperator> do_make_operator(const BlockMatrix& matrix,
+                                                     bool has_inverse_diagonal) override {
+        return std::make_unique<HostOperator>(matrix, has_inverse_diagonal);
     }
 
-    void set_values(DeviceOperator& a, const BlockMatrix& matrix,
-                    std::span<const double> inverse_diagonal) override {
-        auto& host = dynamic_cast<HostOperator&>(a);
-        require(!host.is_stiffness && host.rows() == matrix.num_rows() * matrix.block_rows &&
-                    host.columns() == matrix.num_columns * matrix.block_columns,
-                "set_values", "the matrix has another size than the operator");
-        require(inverse_diagonal.empty() ||
-                    inverse_diagonal.size() ==
-                        static_cast<std::size_t>(host.rows()) * matrix.block_rows,
-                "set_values", "one inverted block per block row is needed");
+    void do_set_values(DeviceOperator& a, const BlockMatrix& matrix,
+                       std::span<const double> inverse_diagonal) override {
+        auto& host = own<HostOperator>(a);
         host.matrix = to_sparse(matrix);
-        host.block = inverse_diagonal.empty() ? 0 : matrix.block_rows;
         host.inverse_diagonal.assign(inverse_diagonal.begin(), inverse_diagonal.end());
     }
 
-    const DeviceOperator& stiffness() override {
-        require(stiffness_operator_ != nullptr, "stiffness", "call prepare(model) first");
-        return *stiffness_operator_;
-    }
+    const DeviceOperator& do_stiffness() override { return *stiffness_operator_; }
 
-    void apply(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y,
-               DeviceSums* xy) override {
-        require_operator_vectors(a, x, y, "apply");
-        multiply(operator_of(a), values_of(x), values_of(y));
-        if (xy) dot(x, y, *xy);
-    }
-
-    void apply_add(const DeviceOperator& a, const DeviceVector& x, DeviceVector& y) override {
-        require_operator_vectors(a, x, y, "apply_add");
-        Values product(y.rows(), y.columns());
-        multiply(operator_of(a), values_of(x), product);
-        values_of(y) += product;
-    }
-
-    void residual(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x,
-                  DeviceVector& r) override {
-        require_operator_vectors(a, x, r, "residual");
-        require_same_shape(b, r, "residual");
-        Values product(r.rows(), r.columns());
-        multiply(operator_of(a), values_of(x), product);
-        values_of(r) = values_of(b) - product;
-    }
-
-    void apply_inverse_diagonal(const DeviceOperator& a, double weight, const DeviceVector& r,
-                                DeviceVector& z, DeviceSums* rz) override {
-        require_same_shape(r, z, "apply_inverse_diagonal");
-        require(r.rows() == a.rows(), "apply_inverse_diagonal", "the vectors have a wrong size");
-        values_of(z) = weight * scaled(operator_of(a), values_of(r));
-        if (rz) dot(r, z, *rz);
-    }
-
-    void smooth(const DeviceOperator& a, const DeviceVector& b, const DeviceVector& x, double alpha,
-                double beta, double weight, DeviceVector& y, DeviceSums* by) override {
-        require_operator_vectors(a, x, y, "smooth");
-        require_same_shape(b, y, "smooth");
-        Values product(y.rows(), y.columns());
-        multiply(operator_of(a), values_of(x), product);
-        Values result =
-            alpha * values_of(x) + weight * scaled(operator_of(a), values_of(b) - product);
-        if (beta != 0) result += beta * values_of(y);
-        values_of(y) = result;
-        if (by) dot(b, y, *by);
-    }
-
-    void advance(const DeviceSums& rz, const DeviceSums& pq, const DeviceSums& rr,
-                 const DeviceSums& limit, const DeviceVector& p, const DeviceVector& q,
-                 DeviceVector& x, DeviceVector& r, DeviceSums& rr_new) override {
-        require_same_shape(p, q, "advance");
-        require_same_shape(p, x, "advance");
-        require_same_shape(p, r, "advance");
-        for (const DeviceSums* sums :
-             {&rz, &pq, &rr, &limit, const_cast<const DeviceSums*>(&rr_new)})
-            require_columns(*sums, p.columns(), "advance");
-        require(&rr != &rr_new, "advance", "old and new sums must be different objects");
-        for (Index c = 0; c < p.columns(); ++c) {
-            const bool moves = numbers_of(rr)[c] > numbers_of(limit)[c] && numbers_of(pq)[c] > 0;
-            const double step = moves ? numbers_of(rz)[c] / numbers_of(pq)[c] : 0.0;
-            values_of(x).col(c) += step * values_of(p).col(c);
-            values_of(r).col(c) -= step * values_of(q).col(c);
+    void do_multiply(const OperatorProduct& job) override {
+        const auto& a = own<const HostOperator>(job.a);
+        const Values& x = values_of(job.x);
+        Values& y = values_of(job.y);
+        Values product(y.rows(), y.cols());
+        multiply(a, x, product);
+        switch (job.result) {
+            case RowResult::apply:
+                y.swap(product);
+                break;
+            case RowResult::add:
+                y += product;
+                break;
+            case RowResult::residual:
+                y = values_of(*job.b) - product;
+                break;
+            case RowResult::smooth:
+                product = job.alpha * x + job.weight * scaled(a, values_of(*job.b) - product);
+                if (job.beta != 0) product += job.beta * y;
+                y.swap(product);
+                break;
         }
-        dot(r, r, rr_new);
+        if (job.sum) do_dot(job.result == RowResult::smooth ? *job.b : job.x, job.y, *job.sum);
     }
 
-    void turn(const DeviceSums& rz_new, const DeviceSums& rz, const DeviceVector& z,
-              DeviceVector& p) override {
-        require_same_shape(z, p, "turn");
-        require_columns(rz_new, p.columns(), "turn");
-        require_columns(rz, p.columns(), "turn");
+    void do_apply_inverse_diagonal(const DeviceOperator& a, double weight, const DeviceVector& r,
+                                   DeviceVector& z, DeviceSums* rz) override {
+        Values result = weight * scaled(own<const HostOperator>(a), values_of(r));
+        if (rz) sum_products(values_of(r), result, *rz);
+        values_of(z).swap(result);
+    }
+
+    void do_advance(const DeviceSums& rz, const DeviceSums& pq, const DeviceSums& rr,
+                    const DeviceSums& limit, const DeviceVector& p, const DeviceVector& q,
+                    DeviceVector& x, DeviceVector& r, DeviceSums& rr_new) override {
+        const auto &of_rz = numbers_of(rz), &of_pq = numbers_of(pq), &of_rr = numbers_of(rr),
+                   &limits = numbers_of(limit);
+        const Values &direction = values_of(p), &product = values_of(q);
+        Values &solution = values_of(x), &rest = values_of(r);
+        own<HostSums>(rr_new);
         for (Index c = 0; c < p.columns(); ++c) {
-            if (numbers_of(rz)[c] > 0)
-                values_of(p).col(c) = values_of(z).col(c) + numbers_of(rz_new)[c] /
-                                                                numbers_of(rz)[c] *
-                                                                values_of(p).col(c);
+            const bool moves = of_rr[c] > limits[c] && of_pq[c] > 0;
+            const double step = moves ? of_rz[c] / of_pq[c] : 0.0;
+            solution.col(c) += step * direction.col(c);
+            rest.col(c) -= step * product.col(c);
+        }
+        sum_products(rest, rest, rr_new);
+    }
+
+    void do_turn(const DeviceSums& rz_new, const DeviceSums& rz, const DeviceVector& z,
+                 DeviceVector& p) override {
+        const auto &now = numbers_of(rz_new), &before = numbers_of(rz);
+        const Values& scaled_rest = values_of(z);
+        Values& direction = values_of(p);
+        for (Index c = 0; c < p.columns(); ++c) {
+            if (before[c] > 0)
+                direction.col(c) = scaled_rest.col(c) + now[c] / before[c] * direction.col(c);
             else
-                values_of(p).col(c) = values_of(z).col(c);
+                direction.col(c) = scaled_rest.col(c);
         }
     }
 
-    void internal_force(const DeviceVector& x, DeviceVector& y) override {
-        require_model_vectors(x, y, "internal_force");
+    void do_internal_force(const DeviceVector& x, DeviceVector& y) override {
         if (is_assembled())
             values_of(y) = stiffness_ * values_of(x);
         else
             element_loop(values_of(x), values_of(y));
     }
 
-    void strain_energy(const DeviceVector& x, std::span<double> energy) override {
-        require(x.rows() == model_.num_dofs(), "strain_energy", "the vector has a wrong size");
-        require(energy.size() == static_cast<std::size_t>(x.columns()), "strain_energy",
-                "one result per column is needed");
+    void do_strain_energy(const DeviceVector& x, std::span<double> energy) override {
         Values force(x.rows(), x.columns());
         element_loop(values_of(x), force);
         for (Index c = 0; c < x.columns(); ++c)
             energy[c] = 0.5 * values_of(x).col(c).dot(force.col(c));
     }
 
-    void parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
-                            std::span<double> gradient) override {
-        require_model_vectors(lambda, x, "parameter_gradient");
-        require(gradient.size() == model_.materials.size(), "parameter_gradient",
-                "one result per material is needed");
+    void do_parameter_gradient(const DeviceVector& lambda, const DeviceVector& x,
+                               std::span<double> gradient) override {
         std::fill(gradient.begin(), gradient.end(), 0.0);
         for (Index t = 0; t < model_.mesh.num_tets(); ++t) {
             const auto corners_lambda = at_corners(values_of(lambda), t);
@@ -276,27 +211,17 @@ public:
         }
     }
 
-    std::unique_ptr<SolidDevice> make_solid(const SolidModel& model) override {
-        return make_reference_solid(model);
+    std::unique_ptr<SolidDevice> do_make_solid(SolidTables tables) override {
+        return make_reference_solid(std::move(tables));
     }
 
-    void wait() override {}
-
-private:
     bool is_assembled() const {
         return product_ == Product::assembled || product_ == Product::automatic;
     }
 
-    static void require_columns(const DeviceSums& sums, std::size_t columns, const char* function) {
-        require(static_cast<std::size_t>(sums.columns()) == columns, function,
-                "sums and vectors differ in columns");
-    }
-
-    static void require_operator_vectors(const DeviceOperator& a, const DeviceVector& x,
-                                         const DeviceVector& y, const char* function) {
-        require(&x != &y, function, "input and output must be different vectors");
-        require(a.columns() == x.rows() && a.rows() == y.rows() && x.columns() == y.columns(),
-                function, "operator and vectors differ in size");
+    static void sum_products(const Values& x, const Values& y, DeviceSums& xy) {
+        for (Index c = 0; c < x.cols(); ++c)
+            numbers_of(xy)[c] = x.rows() == 0 ? 0 : x.col(c).dot(y.col(c));
     }
 
     static Sparse to_sparse(const BlockMatrix& matrix) {
@@ -316,7 +241,7 @@ private:
     }
 
     void multiply(const HostOperator& a, const Values& x, Values& y) const {
-        if (!a.is_stiffness) {
+        if (!a.is_stiffness()) {
             y = a.matrix * x;
             return;
         }
@@ -335,30 +260,22 @@ private:
     /// D^-1 r
     Values scaled(const HostOperator& a, const Values& r) const {
         Values z(r.rows(), r.cols());
-        if (a.is_stiffness) {
+        if (a.is_stiffness()) {
             for (Index n = 0; n < model_.mesh.num_nodes(); ++n)
                 z.middleRows<3>(3 * n) = inverse_diagonal_[n] * r.middleRows<3>(3 * n);
             return z;
         }
-        require(a.block > 0, "smooth", "the operator was made without its inverted diagonal");
-        for (Index n = 0; n < r.rows() / a.block; ++n)
-            z.middleRows(n * a.block, a.block) =
+        const int block = a.block_rows();
+        for (Index n = 0; n < r.rows() / block; ++n)
+            z.middleRows(n * block, block) =
                 Eigen::Map<const Values>(
-                    &a.inverse_diagonal[static_cast<std::size_t>(n) * a.block * a.block], a.block,
-                    a.block) *
-                r.middleRows(n * a.block, a.block);
+                    &a.inverse_diagonal[static_cast<std::size_t>(n) * block * block], block,
+                    block) *
+                r.middleRows(n * block, block);
         return z;
     }
 
     using Corners = Eigen::Matrix<double, 12, Eigen::Dynamic>;
-
-    void require_model_vectors(const DeviceVector& x, const DeviceVector& y,
-                               const char* function) const {
-        require_same_shape(x, y, function);
-        require(&x != &y, function, "input and output must be different vectors");
-        require(x.rows() == model_.num_dofs(), function,
-                "the vectors need three rows per node of the prepared model");
-    }
 
     void compute_element_stiffness() {
         const Mesh& mesh = model_.mesh;

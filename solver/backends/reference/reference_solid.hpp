@@ -5,11 +5,10 @@
 #include <memory>
 
 #include "solver/backend/solid_device.hpp"
-#include "solver/model/solid_model.hpp"
 
 namespace palpate {
 
 /// Plain loops over the elements on one host thread in fp64.
-std::unique_ptr<SolidDevice> make_reference_solid(const SolidModel& model);
+std::unique_ptr<SolidDevice> make_reference_solid(SolidTables tables);
 
 }  // namespace palpate
