@@ -11,9 +11,9 @@
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/apps/simulate/simulation_plots.hpp"
 #include "host/apps/simulate/simulation_tree.hpp"
-#include "host/page/assets.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/numbers.hpp"
+#include "host/page/page.hpp"
 #include "host/page/solver_figures.hpp"
 #include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
@@ -232,21 +232,27 @@ std::string wrapped_figures(const std::string& figures) {
 
 std::string simulation_page(const SimulationResult& result) {
     const SimulationState& state = result.states[shown_state(result)];
-    return fill_template(simulation_html_template(),
-                         {{"css", std::string(page_css()) + std::string(simulation_css())},
-                          {"version", escape_html(version_text())},
-                          {"headline", escape_html(headline(result))},
-                          {"summary", escape_html(summary(result))},
-                          {"notices", notices(result)},
-                          {"findings", findings(result)},
-                          {"body", body_figures(result)},
-                          {"view_note", escape_html(view_note(result.mesh().formulation))},
-                          {"force_figures", wrapped_figures(force_figures(result))},
-                          {"forces", forces_table(result)},
-                          {"tissues", tissues_table(result)},
-                          {"when", time_text(result, state.time_s)},
-                          {"newton", newton_figure(result) + energy_figure(result)},
-                          {"details", details(result)}});
+    Page page{
+        .kind = "Forward simulation: tissue and loads are given, deformation and forces follow",
+        .version = version_text(),
+        .headline = escape_html(headline(result)),
+        .lead = "<p class='summary'>" + escape_html(summary(result)) + "</p>",
+        .notices = notices(result),
+        .footer =
+            "Lengths in mm, forces in mN, stresses in kPa. For ParaView: "
+            "<code>simulation.pvd</code>; for programs: <code>simulation.json</code>.",
+        .style = std::string(simulation_css())};
+    page.main = fill_template(simulation_html_template(),
+                              {{"findings", findings(result)},
+                               {"body", body_figures(result)},
+                               {"view_note", escape_html(view_note(result.mesh().formulation))},
+                               {"force_figures", wrapped_figures(force_figures(result))},
+                               {"forces", forces_table(result)},
+                               {"tissues", tissues_table(result)},
+                               {"when", time_text(result, state.time_s)},
+                               {"newton", newton_figure(result) + energy_figure(result)},
+                               {"details", details(result)}});
+    return page_html(page);
 }
 
 }  // namespace palpate
