@@ -15,6 +15,7 @@
 #include "host/page/assets.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/page.hpp"
+#include "host/page/surface_view.hpp"
 
 namespace palpate {
 namespace {
@@ -115,6 +116,7 @@ std::string html_report(const RecoveryResult& result, bool include_file_names,
     const LabelVolumes volumes = label_volumes(result, most_shown_voxels, margin_mm);
     const ShownPictures pictures = shown_pictures(images, result, volumes);
     const std::string figures = profile_figures(result) + convergence_figures(result);
+    const std::string space = surface_viewer_html(recovery_view(result));
     Page page{.kind = "Stiffness from two segmentations of one patient",
               .version = result.version,
               .headline = headline_html(result),
@@ -126,7 +128,7 @@ std::string html_report(const RecoveryResult& result, bool include_file_names,
                   "lengths in mm, moduli in kPa. Numbers: <code>result.json</code>; fields: "
                   "<code>mesh.vtu</code>, <code>warped_labels.nii.gz</code>" +
                   displacements_html(fields) + ".",
-              .scripts = std::string(surface_viewer_js()) + std::string(slice_viewer_js()) +
+              .scripts = surface_viewer_script() + std::string(slice_viewer_js()) +
                          std::string(report_js())};
     page.main = fill_template(
         report_html_template(),
@@ -134,6 +136,7 @@ std::string html_report(const RecoveryResult& result, bool include_file_names,
          {"intervals", interval_figure(result)},
          {"regions", regions_table_html(result)},
          {"surfaces", surfaces_table_html(result)},
+         {"space", section_html("space", "Surfaces in space", space)},
          {"slices", slices_html(result, volumes, pictures)},
          {"lines_note", lines_note(pictures)},
          {"slices_note", escape_html(slices_note(result, volumes)) +
