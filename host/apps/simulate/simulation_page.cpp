@@ -8,6 +8,7 @@
 
 #include "host/apps/simulate/assets.hpp"
 #include "host/apps/simulate/body_figures.hpp"
+#include "host/apps/simulate/body_view.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/apps/simulate/simulation_plots.hpp"
 #include "host/apps/simulate/simulation_tree.hpp"
@@ -15,6 +16,7 @@
 #include "host/page/numbers.hpp"
 #include "host/page/page.hpp"
 #include "host/page/solver_figures.hpp"
+#include "host/page/surface_view.hpp"
 #include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 
@@ -200,18 +202,6 @@ std::string details(const SimulationResult& result) {
     return out + "</dl>";
 }
 
-std::string view_note(Formulation formulation) {
-    switch (formulation) {
-        case Formulation::solid:
-            return "The surface is seen obliquely from the front (along y) and above; z points up.";
-        case Formulation::axisymmetric:
-            return "The section through the axis, which runs upward in the middle; its left half "
-                   "is the mirror image.";
-        default:
-            return "The section itself: x to the right, y upward.";
-    }
-}
-
 std::string headline(const SimulationResult& result) {
     if (!result.settings.title.empty()) return result.settings.title;
     return simulation_sentences(result).front();
@@ -232,6 +222,7 @@ std::string wrapped_figures(const std::string& figures) {
 
 std::string simulation_page(const SimulationResult& result) {
     const SimulationState& state = result.states[shown_state(result)];
+    const std::string space = surface_viewer_html(body_view(result));
     Page page{
         .kind = "Forward simulation: tissue and loads are given, deformation and forces follow",
         .version = version_text(),
@@ -241,11 +232,11 @@ std::string simulation_page(const SimulationResult& result) {
         .footer =
             "Lengths in mm, forces in mN, stresses in kPa. For ParaView: "
             "<code>simulation.pvd</code>; for programs: <code>simulation.json</code>.",
-        .style = std::string(simulation_css())};
+        .style = std::string(simulation_css()),
+        .scripts = surface_viewer_script() + "startPage(startSurfaceViewers);\n"};
     page.main = fill_template(simulation_html_template(),
                               {{"findings", findings(result)},
-                               {"body", body_figures(result)},
-                               {"view_note", escape_html(view_note(result.mesh().formulation))},
+                               {"body", space + body_figures(result)},
                                {"force_figures", wrapped_figures(force_figures(result))},
                                {"forces", forces_table(result)},
                                {"tissues", tissues_table(result)},
