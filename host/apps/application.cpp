@@ -8,16 +8,13 @@
 #include <utility>
 
 #include "host/io/output_folder.hpp"
-#include "host/page/assets.hpp"
 #include "host/page/markup.hpp"
+#include "host/page/page.hpp"
 #include "host/page/tree_html.hpp"
 #include "host/page/tree_json.hpp"
 #include "host/system/version.hpp"
 
 namespace palpate {
-
-/// Compiled in from assets/application.html.
-std::string_view application_html();
 
 namespace {
 
@@ -48,13 +45,15 @@ std::string given_rows(const Application& application, const OptionValues& value
 
 std::string report_of(const Application& application, const OptionValues& values,
                       const ResultTree& result) {
-    return fill_template(application_html(), {{"css", std::string(page_css())},
-                                              {"name", application.name},
-                                              {"title", escape_html(result.title)},
-                                              {"summary", escape_html(application.summary)},
-                                              {"version", escape_html(version_text())},
-                                              {"result", tree_html(result)},
-                                              {"given", given_rows(application, values)}});
+    const std::string given = "<div class='scroll'><table class='narrow'><tbody>" +
+                              given_rows(application, values) + "</tbody></table></div>";
+    return page_html({.kind = "palpate " + application.name,
+                      .version = version_text(),
+                      .headline = escape_html(result.title),
+                      .lead = "<p class='summary'>" + escape_html(application.summary) + ".</p>",
+                      .main = "<section>" + tree_html(result) + "</section>" +
+                              section_html("given", "What was given", given),
+                      .footer = "The same figures for programs: <code>result.json</code>."});
 }
 
 }  // namespace

@@ -68,6 +68,14 @@ std::string escape_html(std::string_view text) {
     return out;
 }
 
+/// "</script" and "<!--" must not occur there.
+std::string script_json(std::string_view json) {
+    std::string out;
+    out.reserve(json.size());
+    for (const char c : json) out += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    return out;
+}
+
 std::string fill_template(std::string_view text, const std::map<std::string, std::string>& values) {
     std::string out;
     for (;;) {

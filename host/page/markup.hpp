@@ -12,6 +12,9 @@ namespace palpate {
 /// broken UTF-8 become U+FFFD.
 std::string escape_html(std::string_view text);
 
+/// JSON that may stand inside a <script> element: "<" is escaped.
+std::string script_json(std::string_view json);
+
 /// Replaces each {{name}} of the template by its value, once: values are not searched again.
 /// Throws Error(internal) for a name without value.
 std::string fill_template(std::string_view text, const std::map<std::string, std::string>& values);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/page/packing.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -44,6 +45,28 @@ std::string pack_indices(const std::vector<std::uint32_t>& values) {
     bytes.reserve(4 * values.size());
     for (std::uint32_t v : values) append_little_endian(bytes, v);
     return to_base64(bytes);
+}
+
+ScaledNumbers pack_scaled(const std::vector<double>& values) {
+    constexpr double most_steps = 65534;
+    constexpr std::uint32_t missing = 65535;
+    ScaledNumbers numbers{INFINITY, -INFINITY, ""};
+    for (const double v : values) {
+        if (!std::isfinite(v)) continue;
+        numbers.low = std::min(numbers.low, v);
+        numbers.high = std::max(numbers.high, v);
+    }
+    if (numbers.low > numbers.high) numbers.low = numbers.high = 0;
+    const double range = numbers.high - numbers.low;
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(2 * values.size());
+    for (const double v : values) {
+        const double steps = range > 0 ? std::round(most_steps * ((v - numbers.low) / range)) : 0;
+        const std::uint32_t word = std::isfinite(v) ? static_cast<std::uint32_t>(steps) : missing;
+        for (const int shift : {0, 8}) bytes.push_back((word >> shift) & 0xff);
+    }
+    numbers.packed = to_base64(bytes);
+    return numbers;
 }
 
 std::vector<std::uint8_t> run_lengths(const std::vector<std::uint8_t>& values) {

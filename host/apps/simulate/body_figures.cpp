@@ -10,6 +10,7 @@
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/numbers.hpp"
+#include "host/page/surface_shape.hpp"
 
 namespace palpate {
 namespace {
@@ -44,8 +45,34 @@ std::vector<Obstacle> obstacles_of(const SimulationResult& result, const Simulat
     return obstacles;
 }
 
+/// The surface of a body, of large ones thinned; whether it is.
+bool thin(PictureShape& body, const SolidMesh& mesh) {
+    constexpr std::size_t most_patches = 20000;
+    if (!body.is_closed || body.patches.size() <= most_patches) return false;
+    std::vector<Triangle> corners;
+    for (const auto& rim : body.patches)
+        corners.push_back({rim[0], rim[rim.size() / 3], rim[2 * (rim.size() / 3)]});
+    const DerivedShape few = thinned_to(most_patches, mesh.nodes, corners);
+    body.patches.clear();
+    for (const auto& [a, b, c] : few.triangles)
+        body.patches.push_back({few.source[a], few.source[b], few.source[c]});
+    return true;
+}
+
 std::string figure(const std::string& svg, const std::string& caption) {
     return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>", svg, escape_html(caption));
+}
+
+std::string view_note(Formulation formulation) {
+    switch (formulation) {
+        case Formulation::solid:
+            return "The surface is seen obliquely from the front (along y) and above; z points up.";
+        case Formulation::axisymmetric:
+            return "The section through the axis, which runs upward in the middle; its left half "
+                   "is the mirror image.";
+        default:
+            return "The section itself: x to the right, y upward.";
+    }
 }
 
 }  // namespace
@@ -63,27 +90,32 @@ std::string body_figures(const SimulationResult& result) {
         picture_of("von Mises stress, kPa", at_nodes(mesh, state.cells.von_mises_kpa))};
     const char* names[] = {"Displacement", "Von Mises stress"};
 
-    std::string out;
-    const PictureShape body = body_shape(mesh);
+    std::string surface, sections;
+    PictureShape body = body_shape(mesh);
+    const bool is_thinned = thin(body, mesh);
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         pictures[k].obstacles = obstacles_of(result, state);
-        out += figure(mesh_picture_svg(mesh, body, state.displacement, factor, pictures[k],
-                                       fmt::format("body-{}", k)),
-                      fmt::format("{} {}{}", names[k], how,
-                                  pictures[k].obstacles.empty() ? "" : " Blue: obstacles."));
+        surface += figure(mesh_picture_svg(mesh, body, state.displacement, factor, pictures[k],
+                                           fmt::format("body-{}", k)),
+                          fmt::format("{} {}{}", names[k], how,
+                                      pictures[k].obstacles.empty() ? "" : " Blue: obstacles."));
     }
-    if (!body.is_closed) return out;
+    surface = fmt::format(
+        "<div class='still'><div class='figures'>{}</div><p class='caption'>{}{}</p></div>",
+        surface, view_note(mesh.formulation),
+        is_thinned ? " To keep this page small its triangles are thinned." : "");
+    if (!body.is_closed) return surface;
     const double y_mm = middle_y(mesh);
     const PictureShape section = section_shape(mesh, y_mm);
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         pictures[k].obstacles.clear();
-        out += figure(mesh_picture_svg(mesh, section, state.displacement, factor, pictures[k],
-                                       fmt::format("section-{}", k)),
-                      fmt::format("The same in the section that was at y = {} mm, seen from the "
-                                  "front: x to the right, z upward.",
-                                  significant(y_mm)));
+        sections += figure(mesh_picture_svg(mesh, section, state.displacement, factor, pictures[k],
+                                            fmt::format("section-{}", k)),
+                           fmt::format("{} {} Section that was at y = {} mm, seen from the front: "
+                                       "x to the right, z upward.",
+                                       names[k], how, significant(y_mm)));
     }
-    return out;
+    return surface + "<div class='figures'>" + sections + "</div>";
 }
 
 }  // namespace palpate

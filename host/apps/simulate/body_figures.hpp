@@ -8,8 +8,9 @@
 
 namespace palpate {
 
-/// Pictures of the deformed body as HTML figures with inline SVG: displacement and von Mises
-/// stress, of a solid on its surface and in the section through its middle.
+/// Pictures of the deformed body with inline SVG: displacement and von Mises stress, on its surface
+/// where the viewer of `body_view` cannot be (of class `still`), of a solid in the section through
+/// its middle, too.
 std::string body_figures(const SimulationResult& result);
 
 }  // namespace palpate

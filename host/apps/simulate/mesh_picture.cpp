@@ -19,7 +19,7 @@ constexpr double width = PictureFrame::width, margin = PictureFrame::margin;
 constexpr double scale_height = 62;
 constexpr std::size_t most_with_lines = 6000;  ///< patches; beyond, mesh lines would be a blur
 
-/// The sequential map of surface_viewer.js (after viridis).
+/// The sequential map of surface_renderer.js (after viridis).
 constexpr std::array<std::array<int, 3>, 9> colour_map{{{0x44, 0x01, 0x54},
                                                         {0x47, 0x2d, 0x7b},
                                                         {0x3b, 0x52, 0x8b},

@@ -8,13 +8,15 @@
 
 #include "host/apps/simulate/assets.hpp"
 #include "host/apps/simulate/body_figures.hpp"
+#include "host/apps/simulate/body_view.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
 #include "host/apps/simulate/simulation_plots.hpp"
 #include "host/apps/simulate/simulation_tree.hpp"
-#include "host/page/assets.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/numbers.hpp"
+#include "host/page/page.hpp"
 #include "host/page/solver_figures.hpp"
+#include "host/page/surface_view.hpp"
 #include "host/system/version.hpp"
 #include "solver/materials/registry.hpp"
 
@@ -200,18 +202,6 @@ std::string details(const SimulationResult& result) {
     return out + "</dl>";
 }
 
-std::string view_note(Formulation formulation) {
-    switch (formulation) {
-        case Formulation::solid:
-            return "The surface is seen obliquely from the front (along y) and above; z points up.";
-        case Formulation::axisymmetric:
-            return "The section through the axis, which runs upward in the middle; its left half "
-                   "is the mirror image.";
-        default:
-            return "The section itself: x to the right, y upward.";
-    }
-}
-
 std::string headline(const SimulationResult& result) {
     if (!result.settings.title.empty()) return result.settings.title;
     return simulation_sentences(result).front();
@@ -232,21 +222,28 @@ std::string wrapped_figures(const std::string& figures) {
 
 std::string simulation_page(const SimulationResult& result) {
     const SimulationState& state = result.states[shown_state(result)];
-    return fill_template(simulation_html_template(),
-                         {{"css", std::string(page_css()) + std::string(simulation_css())},
-                          {"version", escape_html(version_text())},
-                          {"headline", escape_html(headline(result))},
-                          {"summary", escape_html(summary(result))},
-                          {"notices", notices(result)},
-                          {"findings", findings(result)},
-                          {"body", body_figures(result)},
-                          {"view_note", escape_html(view_note(result.mesh().formulation))},
-                          {"force_figures", wrapped_figures(force_figures(result))},
-                          {"forces", forces_table(result)},
-                          {"tissues", tissues_table(result)},
-                          {"when", time_text(result, state.time_s)},
-                          {"newton", newton_figure(result) + energy_figure(result)},
-                          {"details", details(result)}});
+    const std::string space = surface_viewer_html(body_view(result));
+    Page page{
+        .kind = "Forward simulation: tissue and loads are given, deformation and forces follow",
+        .version = version_text(),
+        .headline = escape_html(headline(result)),
+        .lead = "<p class='summary'>" + escape_html(summary(result)) + "</p>",
+        .notices = notices(result),
+        .footer =
+            "Lengths in mm, forces in mN, stresses in kPa. For ParaView: "
+            "<code>simulation.pvd</code>; for programs: <code>simulation.json</code>.",
+        .style = std::string(simulation_css()),
+        .scripts = surface_viewer_script() + "startPage(startSurfaceViewers);\n"};
+    page.main = fill_template(simulation_html_template(),
+                              {{"findings", findings(result)},
+                               {"body", space + body_figures(result)},
+                               {"force_figures", wrapped_figures(force_figures(result))},
+                               {"forces", forces_table(result)},
+                               {"tissues", tissues_table(result)},
+                               {"when", time_text(result, state.time_s)},
+                               {"newton", newton_figure(result) + energy_figure(result)},
+                               {"details", details(result)}});
+    return page_html(page);
 }
 
 }  // namespace palpate

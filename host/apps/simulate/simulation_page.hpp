@@ -8,8 +8,9 @@
 
 namespace palpate {
 
-/// report.html: one file that needs nothing else and fetches nothing, without scripts. Every text
-/// from outside is escaped.
+/// report.html: one file that needs nothing else and fetches nothing. The body can be turned and
+/// deformed; without scripts or WebGL, and on paper, there are pictures of it. Every text from
+/// outside is escaped.
 std::string simulation_page(const SimulationResult& result);
 
 }  // namespace palpate

@@ -13,6 +13,5 @@ namespace palpate {
 std::string force_figures(const SimulationResult& result);  ///< over time, and over displacement
 std::string newton_figure(const SimulationResult& result);
 std::string energy_figure(const SimulationResult& result);  ///< of a motion
-std::string body_figures(const SimulationResult& result);   ///< pictures of the deformed body
 
 }  // namespace palpate

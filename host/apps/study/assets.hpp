@@ -8,6 +8,5 @@ namespace palpate {
 
 /// Files of `assets/`, compiled in (EmbedText.cmake). The page uses the report's style sheet too.
 std::string_view study_css();
-std::string_view study_html_template();
 
 }  // namespace palpate

@@ -10,6 +10,7 @@
 #include "host/apps/study/study_folder.hpp"
 #include "host/page/assets.hpp"
 #include "host/page/markup.hpp"
+#include "host/page/page.hpp"
 #include "host/system/version.hpp"
 
 namespace palpate {
@@ -101,7 +102,9 @@ std::string cases_table(const Study& study, const std::vector<Row>& rows) {
         for (const std::string& column : shown) out += cell(row.text(column));
         out += "</tr>";
     }
-    return out + "</tbody></table></div>";
+    return out +
+           "</tbody></table></div><p class='caption'>Rows in red: the 95 % interval misses the "
+           "true value. The same numbers are in <code>study.csv</code>.</p>";
 }
 
 std::string settings_list(const Study& study) {
@@ -111,29 +114,33 @@ std::string settings_list(const Study& study) {
     return out + "</dl>";
 }
 
-std::string style() { return std::string(page_css()) + std::string(study_css()); }
-
 }  // namespace
 
 std::string study_page(const Study& study, const StudyRun& run, const StudyReport& report) {
-    return fill_template(study_html_template(), {{"css", style()},
-                                                 {"version", escape_html(version_text())},
-                                                 {"title", escape_html(study.title)},
-                                                 {"name", escape_html(study.name)},
-                                                 {"headline", escape_html(report.headline)},
-                                                 {"summary", paragraphs(report.sentences)},
-                                                 {"notices", notices(run)},
-                                                 {"sections", sections(report.sections)},
-                                                 {"cases", cases_table(study, run.rows)},
-                                                 {"settings", settings_list(study)}});
+    const std::string repeat = fmt::format(
+        "{}<p class='caption'>Every case is made from its seed alone: <code>palpate study {} --out "
+        "FOLDER</code> with these settings gives the same phantoms.</p>",
+        settings_list(study), escape_html(study.name));
+    return page_html(
+        {.kind = study.title,
+         .version = version_text(),
+         .headline = escape_html(report.headline),
+         .lead = paragraphs(report.sentences),
+         .notices = notices(run),
+         .main = sections(report.sections) +
+                 section_html("cases", "All cases", cases_table(study, run.rows)) +
+                 section_html("again", "How to make it again", repeat),
+         .footer = "Moduli are Young's moduli in kPa, lengths in mm. Pictures: "
+                   "<code>pictures/*.svg</code>; summary for programs: <code>study.json</code>.",
+         .style = std::string(study_css())});
 }
 
 std::string standalone_svg(const std::string& svg) {
     const std::size_t head = svg.find("<svg"), end = svg.find('>');
     if (head != 0 || end == std::string::npos) return svg;
     return "<svg xmlns='http://www.w3.org/2000/svg'" + svg.substr(4, end - 3) +
-           "<style>svg{font-family:system-ui,sans-serif}" + style() + "</style>" +
-           svg.substr(end + 1) + "\n";
+           "<style>svg{font-family:system-ui,sans-serif}" + std::string(page_css()) +
+           std::string(study_css()) + "</style>" + svg.substr(end + 1) + "\n";
 }
 
 void write_study_page(const Study& study, const StudyRun& run,

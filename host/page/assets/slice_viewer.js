@@ -49,8 +49,7 @@ function outlineOf(slice, organ) {
 }
 
 /** A surface in voxel coordinates of the volumes, with the displacement if there is one. */
-function surfaceInVoxels(volumes, colour, vertices, displacement, triangles) {
-  const x = floatsOf(vertices), u = displacement ? floatsOf(displacement) : null;
+function surfaceInVoxels(volumes, colour, { vertices: x, triangles }, u = null) {
   const at = new Float32Array(x.length);
   for (let v = 0; v < x.length; v += 3)
     for (let a = 0; a < 3; ++a) {
@@ -59,7 +58,7 @@ function surfaceInVoxels(volumes, colour, vertices, displacement, triangles) {
         along += volumes.axes[a][k] * (x[v + k] + (u ? u[v + k] : 0) - volumes.origin_mm[k]);
       at[v + a] = along / volumes.spacing_mm[a];
     }
-  return { colour, at, triangles: indicesOf(triangles) };
+  return { colour, at, triangles };
 }
 
 /** Where a slice cuts a surface; path in units of pixels, like `outlineOf`. */
@@ -158,8 +157,6 @@ const layersOn = {
 
 const groundNames = { target: "target image", reference: "reference image", plain: "" };
 
-const rgbOf = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-
 /** Fills the figures of the page; returns the function that draws them anew. */
 function startSliceViewer(data, surfaceData, pictureData) {
   const count = data.size[0] * data.size[1] * data.size[2];
@@ -170,12 +167,9 @@ function startSliceViewer(data, surfaceData, pictureData) {
   };
   const colours = data.organs.map((organ) => rgbOf(organ.colour));
   const surfaces = {
-    reference: surfaceData.map((s) =>
-      surfaceInVoxels(data, s.colour, s.vertices, null, s.triangles)),
-    target: surfaceData.map((s) =>
-      surfaceInVoxels(data, s.colour, s.target_vertices, null, s.target_triangles)),
-    warped: surfaceData.map((s) =>
-      surfaceInVoxels(data, s.colour, s.vertices, s.displacement, s.triangles)),
+    reference: surfaceData.map((s) => surfaceInVoxels(data, s.css, s)),
+    target: surfaceData.map((s) => surfaceInVoxels(data, s.css, s.outline)),
+    warped: surfaceData.map((s) => surfaceInVoxels(data, s.css, s, s.displacement(1))),
   };
   const withoutSurface = data.organs.map((organ, i) => ({ ...organ, value: i + 1 }))
     .filter((organ) => !surfaceData.some((s) => s.name === organ.name));

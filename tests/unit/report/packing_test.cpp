@@ -28,6 +28,16 @@ TEST(PackedFloats, AreLittleEndianAndFinite) {
     EXPECT_EQ(pack_indices({1, 256}), "AQAAAAABAAA=");
 }
 
+TEST(ScaledNumbers, GoFromTheSmallestToTheLargestAndKnowWhatIsMissing) {
+    const ScaledNumbers numbers = pack_scaled({-1, 1, 0, NAN});
+
+    EXPECT_EQ(numbers.low, -1);
+    EXPECT_EQ(numbers.high, 1);
+    EXPECT_EQ(numbers.packed, base64_of(std::string("\0\0\xfe\xff\xff\x7f\xff\xff", 8)));
+    EXPECT_EQ(pack_scaled({2, 2}).packed, base64_of(std::string(4, '\0')));
+    EXPECT_EQ(pack_scaled({NAN}).low, 0);
+}
+
 TEST(RunLengths, HoldValueAndLengthWithSevenBitsAByte) {
     std::vector<std::uint8_t> values(300, 5);
     values.push_back(0);

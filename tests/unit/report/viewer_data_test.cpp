@@ -4,11 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "tests/unit/report/synthetic_result.hpp"
-#include "tests/unit/report/unpacked.hpp"
 
 namespace palpate {
 namespace {
@@ -20,13 +18,10 @@ Vec3 vector_of(const Json& json) {
 }
 
 /// Mean vertex of a target surface in voxels of the volumes, as the slice viewer finds them.
-Vec3 centre_of_target_surface(const Json& data, int surface) {
-    const auto bytes = from_base64(data["surfaces"][surface]["target_vertices"].get<std::string>());
-    std::vector<float> numbers(bytes.size() / sizeof(float));
-    std::memcpy(numbers.data(), bytes.data(), bytes.size());
+Vec3 centre_of_target_surface(const SurfaceView& view, const Json& data, int surface) {
     Vec3 mean = Vec3::Zero();
-    for (std::size_t v = 0; v < numbers.size(); v += 3)
-        mean += Vec3(numbers[v], numbers[v + 1], numbers[v + 2]) / (numbers.size() / 3.0);
+    const std::vector<Vec3>& vertices = view.surfaces[surface].outline->vertices;
+    for (const Vec3& x : vertices) mean += x / double(vertices.size());
     const Json& volumes = data["volumes"];
     const Vec3 offset = mean - vector_of(volumes["origin_mm"]);
     Vec3 index;
@@ -62,9 +57,26 @@ TEST(ViewerData, SurfacesAreCutWhereTheVoxelsOfTheAlignedTargetLie) {
 
     const Json data = Json::parse(viewer_data(result, volumes));
 
-    const Vec3 off =
-        centre_of_target_surface(data, bladder) - centre_of_voxels(volumes, bladder + 1);
+    const Vec3 off = centre_of_target_surface(recovery_view(result), data, bladder) -
+                     centre_of_voxels(volumes, bladder + 1);
     EXPECT_LT(off.cwiseProduct(volumes.spacing).norm(), tolerance_mm);
+}
+
+TEST(RecoveryView, KnowsNoDistanceWhereTheTargetShowsNothingAndNoTractionWhereNothingDrives) {
+    RecoveryResult result = synthetic_result();
+    SurfaceResult& surface = result.surfaces.front();
+    surface.seen.assign(surface.reference.vertices.size(), 1);
+    surface.seen[3] = 0;
+
+    const SurfaceView view = recovery_view(result);
+
+    ASSERT_EQ(view.surfaces.size(), result.surfaces.size());
+    EXPECT_TRUE(std::isnan(view.surfaces[0].values[0][0][3]));
+    EXPECT_FALSE(std::isnan(view.surfaces[0].values[0][0][2]));
+    for (std::size_t s = 0; s < view.surfaces.size(); ++s) {
+        EXPECT_EQ(view.surfaces[s].values[2].empty(), result.surfaces[s].role != Role::driven);
+        EXPECT_EQ(view.surfaces[s].is_shown, result.surfaces[s].role != Role::fixed);
+    }
 }
 
 }  // namespace

@@ -9,6 +9,5 @@ namespace palpate {
 /// Files of `assets/`, compiled in (EmbedText.cmake).
 std::string_view report_html_template();
 std::string_view report_js();
-std::string_view targets_html_template();
 
 }  // namespace palpate

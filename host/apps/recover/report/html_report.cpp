@@ -14,15 +14,11 @@
 #include "host/apps/recover/report/viewer_data.hpp"
 #include "host/page/assets.hpp"
 #include "host/page/markup.hpp"
+#include "host/page/page.hpp"
+#include "host/page/surface_view.hpp"
 
 namespace palpate {
 namespace {
-
-/// A section, or nothing if it has no content.
-std::string section(const std::string& id, const std::string& title, const std::string& content) {
-    if (content.empty()) return "";
-    return fmt::format("<section id='{}'><h2>{}</h2>{}</section>", id, title, content);
-}
 
 std::string slices_note(const RecoveryResult& result, const LabelVolumes& volumes) {
     if (volumes.empty()) return "No organ has a voxel on the reference grid: nothing to show.";
@@ -120,34 +116,42 @@ std::string html_report(const RecoveryResult& result, bool include_file_names,
     const LabelVolumes volumes = label_volumes(result, most_shown_voxels, margin_mm);
     const ShownPictures pictures = shown_pictures(images, result, volumes);
     const std::string figures = profile_figures(result) + convergence_figures(result);
-    return fill_template(
+    const std::string space = surface_viewer_html(recovery_view(result));
+    Page page{.kind = "Stiffness from two segmentations of one patient",
+              .version = result.version,
+              .headline = headline_html(result),
+              .lead = inputs_line(result, include_file_names) + "<p class='summary'>" +
+                      plain_summary(result) + "</p>",
+              .notices = notices_html(result),
+              .footer =
+                  "Frame: LPS (x to the patient's left, y to the back, z to the head); "
+                  "lengths in mm, moduli in kPa. Numbers: <code>result.json</code>; fields: "
+                  "<code>mesh.vtu</code>, <code>warped_labels.nii.gz</code>" +
+                  displacements_html(fields) + ".",
+              .scripts = surface_viewer_script() + std::string(slice_viewer_js()) +
+                         std::string(report_js())};
+    page.main = fill_template(
         report_html_template(),
-        {{"css", std::string(page_css())},
-         {"version", escape_html(result.version)},
-         {"headline", headline_html(result)},
-         {"inputs", inputs_line(result, include_file_names)},
-         {"summary", plain_summary(result)},
-         {"notices", notices_html(result)},
-         {"findings", findings_html(result)},
+        {{"findings", findings_html(result)},
          {"intervals", interval_figure(result)},
          {"regions", regions_table_html(result)},
          {"surfaces", surfaces_table_html(result)},
+         {"space", section_html("space", "Surfaces in space", space)},
          {"slices", slices_html(result, volumes, pictures)},
          {"lines_note", lines_note(pictures)},
          {"slices_note", escape_html(slices_note(result, volumes)) +
                              picture_note("Target", pictures.target, volumes) +
                              picture_note("Reference", pictures.reference, volumes)},
-         {"certainty", section("certainty", "How sure is it",
-                               figures.empty() ? ""
-                                               : "<div class='figures'>" + figures +
-                                                     correlation_table_html(result) +
-                                                     sensitivity_table_html(result) + "</div>")},
+         {"certainty",
+          section_html("certainty", "How sure is it",
+                       figures.empty()
+                           ? ""
+                           : "<div class='figures'>" + figures + correlation_table_html(result) +
+                                 sensitivity_table_html(result) + "</div>")},
          {"details", details_html(result)},
-         {"displacements", displacements_html(fields)},
          {"settings", escape_html(to_toml(result.settings))},
-         {"data", viewer_data(result, volumes, pictures)},
-         {"scripts", std::string(surface_viewer_js()) + std::string(slice_viewer_js()) +
-                         std::string(report_js())}});
+         {"data", viewer_data(result, volumes, pictures)}});
+    return page_html(page);
 }
 
 }  // namespace palpate

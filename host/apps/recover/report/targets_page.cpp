@@ -7,13 +7,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/apps/recover/report/assets.hpp"
 #include "host/apps/recover/report/findings.hpp"
 #include "host/apps/recover/report/html_tables.hpp"
-#include "host/page/assets.hpp"
 #include "host/page/figure_html.hpp"
 #include "host/page/interval_chart.hpp"
 #include "host/page/markup.hpp"
+#include "host/page/page.hpp"
 
 namespace palpate {
 namespace {
@@ -131,13 +130,16 @@ std::string summary_of(const std::vector<TargetRow>& rows) {
 std::string targets_page(const std::vector<TargetRow>& rows, const std::string& version) {
     std::string charts;
     for (const std::string& name : region_names(rows)) charts += chart_of(rows, name);
-    return fill_template(targets_html_template(), {{"css", std::string(page_css())},
-                                                   {"version", escape_html(version)},
-                                                   {"headline", escape_html(headline_of(rows))},
-                                                   {"summary", escape_html(summary_of(rows))},
-                                                   {"charts", charts},
-                                                   {"table", table_of(rows)},
-                                                   {"notes", notes_of(rows)}});
+    const std::string table =
+        table_of(rows) + notes_of(rows) +
+        "<p class='caption'>The same numbers are in <code>targets.csv</code>.</p>";
+    return page_html(
+        {.kind = "Stiffness from several targets of one patient",
+         .version = version,
+         .headline = escape_html(headline_of(rows)),
+         .lead = "<p class='summary'>" + escape_html(summary_of(rows)) + "</p>",
+         .main = "<section>" + charts + "</section>" + section_html("targets", "By target", table),
+         .footer = "Moduli are Young's moduli in kPa."});
 }
 
 }  // namespace palpate

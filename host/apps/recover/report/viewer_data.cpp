@@ -16,21 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string packed(const std::vector<Vec3>& points) {
-    std::vector<double> values;
-    values.reserve(3 * points.size());
-    for (const Vec3& p : points) values.insert(values.end(), {p.x(), p.y(), p.z()});
-    return pack_floats(values);
-}
-
-std::string packed(const std::vector<Triangle>& triangles) {
-    std::vector<std::uint32_t> values;
-    values.reserve(3 * triangles.size());
-    for (const Triangle& t : triangles)
-        for (Index v : t) values.push_back(static_cast<std::uint32_t>(v));
-    return pack_indices(values);
-}
-
 /// A value of the mesh at each vertex of an organ surface; `missing` where there is no node.
 template <typename T>
 std::vector<T> at_vertices(const SurfaceResult& s, const std::vector<T>& nodal, const T& missing) {
@@ -57,29 +42,54 @@ std::vector<double> traction_kpa(const SurfaceResult& s, const std::vector<Vec3>
     return traction;
 }
 
-/// A distance at each vertex of an organ surface; what the viewer knows as unseen elsewhere.
+/// A distance at each vertex of an organ surface; not known where the target does not show it.
 std::vector<double> seen_distances(const SurfaceResult& s, std::vector<double> distance_mm) {
-    constexpr double unseen = 1e4;  // as in surface_viewer.js
     distance_mm.resize(s.reference.vertices.size(), 0.0);
     for (std::size_t v = 0; v < std::min(s.seen.size(), distance_mm.size()); ++v)
-        if (!s.seen[v]) distance_mm[v] = unseen;
+        if (!s.seen[v]) distance_mm[v] = NAN;
     return distance_mm;
 }
 
-Json surface_json(const RecoveryResult& result, const SurfaceResult& s) {
-    const std::vector<double> before = seen_distances(s, s.distance_before_mm),
-                              after = seen_distances(s, s.distance_after_mm);
-    return {{"name", s.name},
-            {"role", name_of(s.role)},
-            {"colour", region_colour(result, s.region)},
-            {"vertices", packed(s.reference.vertices)},
-            {"displacement", packed(at_vertices(s, result.displacement, Vec3(Vec3::Zero())))},
-            {"triangles", packed(s.reference.triangles)},
-            {"distance_before_mm", pack_floats(before)},
-            {"distance_after_mm", pack_floats(after)},
-            {"traction_kpa", pack_floats(traction_kpa(s, result.force))},
-            {"target_vertices", packed(s.target.vertices)},
-            {"target_triangles", packed(s.target.triangles)}};
+enum FieldNumber { distance, displacement, traction, num_fields };
+
+ShownSurface shown_surface(const RecoveryResult& result, const SurfaceResult& s) {
+    ShownSurface shown{.name = s.name, .colour = region_colour(result, s.region)};
+    shown.is_plain = s.role == Role::fixed;
+    shown.is_shown = !shown.is_plain;
+    shown.shape = {s.reference.vertices, s.reference.triangles};
+    shown.displacement = {{}, at_vertices(s, result.displacement, Vec3(Vec3::Zero()))};
+    shown.outline = TriangleShape{s.target.vertices, s.target.triangles};
+    shown.values.resize(num_fields);
+    if (shown.is_plain) return shown;
+    shown.values[distance] = {seen_distances(s, s.distance_before_mm),
+                              seen_distances(s, s.distance_after_mm)};
+    if (s.role == Role::driven) shown.values[traction] = {{}, traction_kpa(s, result.force)};
+    return shown;
+}
+
+/// The largest over all surfaces of what is below most values of each, but not nothing.
+template <class ValuesOf>
+double largest_of(const std::vector<ShownSurface>& surfaces, const ValuesOf& values_of) {
+    constexpr double most = 0.97, smallest = 1e-3;
+    double largest = smallest;
+    for (const ShownSurface& s : surfaces)
+        if (!s.is_plain) largest = std::max(largest, quantile_of_sizes(values_of(s), most));
+    return largest;
+}
+
+std::vector<double> lengths_of(const std::vector<Vec3>& vectors) {
+    std::vector<double> lengths;
+    for (const Vec3& v : vectors) lengths.push_back(v.norm());
+    return lengths;
+}
+
+/// Ends of a colour scale of distances: those of the eye's choice below the largest, and that.
+std::vector<double> distance_ranges(double largest) {
+    std::vector<double> ranges;
+    for (const double mm : {0.5, 1.0, 2.0, 5.0, 10.0})
+        if (mm < largest) ranges.push_back(mm);
+    ranges.push_back(largest);
+    return ranges;
 }
 
 Json volumes_json(const RecoveryResult& result, const LabelVolumes& volumes) {
@@ -116,24 +126,58 @@ Json pictures_json(const ShownPictures& pictures) {
     return json;
 }
 
-/// Inside a <script> element "</script" and "<!--" must not occur; in JSON "<" may be escaped.
-std::string safe_in_script(const std::string& json) {
-    std::string out;
-    out.reserve(json.size());
-    for (char c : json) out += c == '<' ? std::string("\\u003c") : std::string(1, c);
-    return out;
-}
-
 }  // namespace
+
+SurfaceView recovery_view(const RecoveryResult& result) {
+    SurfaceView view{
+        .label = "Organ surfaces before and after",
+        .states = {"Before", "After"},
+        .first = 1,
+        .plain_name = "organ",
+        .outline_name = "Target",
+        .note = "Left: before, right: at the chosen part of the recovered deformation.",
+        .without_webgl = "The slices below show the same outlines.",
+        .has_rest_beside = true,
+        .is_patient = true,
+        .most_triangles = 300000,
+    };
+    for (const SurfaceResult& s : result.surfaces)
+        view.surfaces.push_back(shown_surface(result, s));
+    const auto highest = [&](const auto& values_of) {
+        return round_ranges(largest_of(view.surfaces, values_of)).back();
+    };
+    const auto values_in = [](FieldNumber field, std::size_t state) {
+        return [=](const ShownSurface& s) {
+            return s.values[field].empty() ? std::vector<double>{} : s.values[field][state];
+        };
+    };
+    const auto moved = [](const ShownSurface& s) { return lengths_of(s.displacement[1]); };
+    view.fields = {{.name = "distance to target",
+                    .unit = "mm",
+                    .ranges = distance_ranges(highest(values_in(distance, 0))),
+                    .is_signed = true,
+                    .left = "inside the target",
+                    .right = "outside, mm"},
+                   {.name = "displacement",
+                    .unit = "mm",
+                    .ranges = {highest(moved)},
+                    .is_displacement = true}};
+    const bool has_traction =
+        std::any_of(view.surfaces.begin(), view.surfaces.end(),
+                    [](const ShownSurface& s) { return !s.values[traction].empty(); });
+    if (has_traction)
+        view.fields.push_back({.name = "surface traction",
+                               .unit = "kPa",
+                               .ranges = {highest(values_in(traction, 1))},
+                               .left = "traction on driven organs"});
+    return view;
+}
 
 std::string viewer_data(const RecoveryResult& result, const LabelVolumes& volumes,
                         const ShownPictures& pictures) {
-    Json surfaces = Json::array();
-    for (const SurfaceResult& s : result.surfaces) surfaces.push_back(surface_json(result, s));
-    const Json json{{"surfaces", surfaces},
-                    {"volumes", volumes_json(result, volumes)},
+    const Json json{{"volumes", volumes_json(result, volumes)},
                     {"pictures", pictures_json(pictures)}};
-    return safe_in_script(json.dump(-1, ' ', true, Json::error_handler_t::replace));
+    return script_json(json.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace palpate
