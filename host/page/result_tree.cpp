@@ -125,7 +125,8 @@ std::string shown_interval(const Figure& figure, const char* between, const char
 }
 
 std::string shown_with_unit(const Figure& figure) {
-    return figure.unit.empty() ? shown_value(figure) : shown_value(figure) + " " + figure.unit;
+    const bool has_unit = !figure.unit.empty() && figure.verdict != Verdict::not_identifiable;
+    return has_unit ? shown_value(figure) + " " + figure.unit : shown_value(figure);
 }
 
 std::vector<std::pair<std::string, std::string>> titled_rows(const ResultTree& tree) {

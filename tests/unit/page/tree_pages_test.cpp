@@ -23,7 +23,7 @@ TEST(TreeText, TellsWhatHasATitle) {
               "Spring  Stiffness mN/mm  95 % interval  Verdict\n"
               "------  ---------------  -------------  ----------------\n"
               "left               83.2    61.4 to 113  recovered\n"
-              "right              20.0    61.4 to n/a  not identifiable\n"
+              "right                 –    61.4 to n/a  not identifiable\n"
               "\n"
               "Fit\n"
               "Misfit: 0.13 mm\n");
