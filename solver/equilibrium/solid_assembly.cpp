@@ -165,13 +165,22 @@ void SolidAssembly::Tables::with_laws(Index element, Work&& work) const {
     std::visit(
         [&](const auto& law) {
             using Law = std::decay_t<decltype(law)>;
-            if (is_viscous) {
+            if (!is_viscous) return work([&](std::size_t) { return law; });
+            // A step with relaxation is elastic: (1 + sum c_k) W + Q : E, or W + sum c_k W_iso +
+            // Q : E (method.md, 9.7).
+            const auto prestress_at = [&](std::size_t q) {
+                return prestress[element * points + q];
+            };
+            if (model.materials[region].relaxation_of == RelaxationOf::total) {
+                const TotalRelaxation<Law> total{law, factor[region]};
                 work([&](std::size_t q) {
-                    // A step with relaxation is elastic: (1 + sum c_k) W + Q : E (method.md, 9.7).
-                    return ViscousStep<Law>{law, factor[region], prestress[element * points + q]};
+                    return ViscousStep<TotalRelaxation<Law>>{total, prestress_at(q)};
                 });
             } else {
-                work([&](std::size_t) { return law; });
+                const IsochoricRelaxation<Law> isochoric(law, factor[region]);
+                work([&](std::size_t q) {
+                    return ViscousStep<IsochoricRelaxation<Law>>{isochoric, prestress_at(q)};
+                });
             }
         },
         laws[region]);
@@ -291,7 +300,7 @@ void SolidAssembly::set_viscous_step(std::vector<double> factor,
     tables_->prestress = std::move(prestress);
 }
 
-std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd& u) const {
+std::vector<Tensor3<double>> SolidAssembly::relaxing_stress(const Eigen::VectorXd& u) const {
     const Tables& tables = *tables_;
     const auto points = static_cast<std::size_t>(tables.model.mesh.table().num_points);
     std::vector<Tensor3<double>> stress(tables.geometry.size(), Tensor3<double>{});
@@ -302,11 +311,13 @@ std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd
         PointTensors h;
         tables.with_laws(
             e, [&](const auto& law_at) { law_gradients(tables.model, law_at, element, u, h); });
+        const bool is_total = tables.model.materials[region].relaxation_of == RelaxationOf::total;
         std::visit(
             [&](const auto& law) {
                 for (std::size_t q = 0; q < points; ++q)
-                    // S = F^-1 P of the law alone, without its history
-                    stress[e * points + q] = second_piola(law, h[q]);
+                    // S = F^-1 P of the law, or of its isochoric part, without its history
+                    stress[e * points + q] = is_total ? second_piola(law, h[q])
+                                                      : second_piola(isochoric_part(law), h[q]);
             },
             tables.laws[region]);
     });
@@ -333,7 +344,7 @@ std::vector<PointState> SolidAssembly::point_states(const Eigen::VectorXd& u) co
     return states;
 }
 
-Eigen::VectorXd SolidAssembly::elastic_stress_gradient(
+Eigen::VectorXd SolidAssembly::relaxing_stress_gradient(
     const Eigen::VectorXd& u, const std::vector<Tensor3<double>>& slope) const {
     const Tables& tables = *tables_;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(u.size());
