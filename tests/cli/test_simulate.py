@@ -117,6 +117,7 @@ law = "linear"
 stiffness_kpa = 10
 poisson_ratio = 0.3
 relaxation = [{amplitude = 0.8, time_s = 2.0}]
+relaxation_of = "total"
 """ + SMOOTH_BOX + TOP + f'column = "pull"\n[history]\ntime_s = {times}\npull = {[1] * 6}\n'
     rows = rows_of(simulated(tmp_path, text))
 
