@@ -28,6 +28,13 @@ struct ViscousSlopes {
     std::vector<std::vector<double>> parameters;  ///< [materials][parameters]
 };
 
+/// A direction in what forces are made of at held displacements, per unit of one parameter.
+struct SolidChange {
+    std::vector<std::vector<double>> parameters;  ///< [materials][parameters]; empty: none
+    std::vector<double> factor;                   ///< [materials] of a viscous step; empty: none
+    std::vector<Tensor3<double>> prestress;       ///< [num_elements, num_points]; empty: none
+};
+
 /// What one quadrature point goes through.
 struct PointState {
     Tensor3<double> gradient;  ///< H as its law has it (mean volume, plane stress)
@@ -81,6 +88,14 @@ public:
     /// u.
     ViscousSlopes viscous_slopes(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
                                  const std::vector<Tensor3<double>>& slope) const;
+    /// df at a held u for each of the changes, mN per unit [3 num_nodes, changes].
+    Eigen::MatrixXd force_changes(const Eigen::VectorXd& u,
+                                  const std::vector<SolidChange>& changes) const;
+    /// How `relaxing_stress` changes with the displacements, du [3 num_nodes, changes] mm, and the
+    /// rest of each change: kPa per unit [changes][num_elements, num_points].
+    std::vector<std::vector<Tensor3<double>>> relaxing_stress_changes(
+        const Eigen::VectorXd& u, const Eigen::MatrixXd& du,
+        const std::vector<SolidChange>& changes) const;
 
 private:
     struct Tables;

@@ -44,6 +44,17 @@ std::vector<RelaxationStep> ViscousHistory::steps(double dt_s) const {
     return steps;
 }
 
+std::vector<RelaxationStep> ViscousHistory::step_changes(double dt_s,
+                                                         const RelaxationChange& change) const {
+    std::vector<RelaxationStep> steps;
+    for (std::size_t m = 0; m < model_->materials.size(); ++m) {
+        std::span<const RelaxationTerm> terms;
+        if (!change.terms.empty()) terms = change.terms[m];
+        steps.push_back(relaxation_step_change(model_->materials[m], dt_s, terms, change.dt_s));
+    }
+    return steps;
+}
+
 void ViscousHistory::begin_step(double dt_s, SolidAssembly& solid) const {
     const std::vector<RelaxationStep> by_material = steps(dt_s);
     std::vector<double> factor;
@@ -118,6 +129,50 @@ HistoryTensors ViscousHistory::slopes_before(
     for (std::size_t m = 0; m < slopes.size(); ++m)
         add_term_slopes(model_->materials[m], dt_s, slopes[m], relaxation[m]);
     return before;
+}
+
+SolidChange ViscousHistory::begin_change(double dt_s, const HistoryTensors& before,
+                                         const RelaxationChange& change) const {
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
+    const std::vector<RelaxationStep> changes = step_changes(dt_s, change);
+    SolidChange result;
+    for (const RelaxationStep& step : changes) result.factor.push_back(step.factor);
+    result.prestress.assign(now_.stress.size(), Tensor3<double>{});
+    for (std::size_t p = 0; p < now_.stress.size(); ++p)
+        for (std::size_t k = 0; k < now_.terms[p].size(); ++k) {
+            const RelaxationStep::Term& step = by_material[material_of(p)].terms[k];
+            const RelaxationStep::Term& by = changes[material_of(p)].terms[k];
+            // dQ = sum_k (d exp(-x) h_k + exp(-x) dh_k - dc_k S_n - c_k dS_n)
+            add(result.prestress[p], by.kept, now_.terms[p][k]);
+            add(result.prestress[p], step.kept, before.terms[p][k]);
+            add(result.prestress[p], -by.part, now_.stress[p]);
+            add(result.prestress[p], -step.part, before.stress[p]);
+        }
+    return result;
+}
+
+HistoryTensors ViscousHistory::end_change(double dt_s, const HistoryTensors& before,
+                                          const std::vector<Tensor3<double>>& stress,
+                                          std::vector<Tensor3<double>> stress_change,
+                                          const RelaxationChange& change) const {
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
+    const std::vector<RelaxationStep> changes = step_changes(dt_s, change);
+    HistoryTensors after = make_tensors();
+    for (std::size_t p = 0; p < stress.size(); ++p) {
+        const auto rise = sum_of(1.0, stress[p], -1.0, now_.stress[p]);
+        const auto rise_change = sum_of(1.0, stress_change[p], -1.0, before.stress[p]);
+        for (std::size_t k = 0; k < now_.terms[p].size(); ++k) {
+            const RelaxationStep::Term& step = by_material[material_of(p)].terms[k];
+            const RelaxationStep::Term& by = changes[material_of(p)].terms[k];
+            // dh_k' = d exp(-x) h_k + exp(-x) dh_k + dc_k (S' - S_n) + c_k (dS' - dS_n)
+            add(after.terms[p][k], by.kept, now_.terms[p][k]);
+            add(after.terms[p][k], step.kept, before.terms[p][k]);
+            add(after.terms[p][k], by.part, rise);
+            add(after.terms[p][k], step.part, rise_change);
+        }
+    }
+    after.stress = std::move(stress_change);
+    return after;
 }
 
 }  // namespace palpate

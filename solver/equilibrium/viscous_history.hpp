@@ -12,10 +12,17 @@ namespace palpate {
 /// Whether any material has relaxation terms.
 bool has_relaxation(const SolidModel& model);
 
-/// One tensor for each that a ViscousHistory holds: those, or slopes of a scalar by them.
+/// One tensor for each that a ViscousHistory holds: those, slopes of a scalar by them, or how they
+/// change.
 struct HistoryTensors {
     std::vector<Tensor3<double>> stress;              ///< S, [points] kPa
     std::vector<std::vector<Tensor3<double>>> terms;  ///< h_k, [points][terms] kPa
+};
+
+/// How relaxation changes with one parameter, per unit of it.
+struct RelaxationChange {
+    std::vector<std::vector<RelaxationTerm>> terms;  ///< [materials][terms]; empty: none
+    double dt_s = 0;                                 ///< of the length of the step
 };
 
 /// What the quadrature points of all elements remember of a load history (see `solve_history`): the
@@ -47,10 +54,23 @@ public:
                                  const std::vector<Tensor3<double>>& stress,
                                  std::vector<std::vector<RelaxationTerm>>& relaxation) const;
 
+    /// From how what is remembered here changes to how the factors and Q of a step do; parameters
+    /// of laws are not touched.
+    SolidChange begin_change(double dt_s, const HistoryTensors& before,
+                             const RelaxationChange& change) const;
+    /// The same to what is remembered at the end of the step.
+    ///   stress         S at the end, [points]
+    ///   stress_change  how that changes
+    HistoryTensors end_change(double dt_s, const HistoryTensors& before,
+                              const std::vector<Tensor3<double>>& stress,
+                              std::vector<Tensor3<double>> stress_change,
+                              const RelaxationChange& change) const;
+
 private:
     Index material_of(std::size_t point) const;
     /// [materials]
     std::vector<RelaxationStep> steps(double dt_s) const;
+    std::vector<RelaxationStep> step_changes(double dt_s, const RelaxationChange& change) const;
 
     const SolidModel* model_;
     std::size_t points_per_element_;

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <type_traits>
+#include <utility>
 
 #include "solver/base/tensor3.hpp"
 #include "solver/materials/isochoric.hpp"
@@ -162,6 +164,24 @@ struct ViscousStep {
         const Tensor3<double> change = tangent_of_part(s, g);
         if constexpr (small_strain) return change;
         return sum_of(1.0, change, -1.0, times(g, second_piola(relaxation.part(), s.h)));
+    }
+    /// The change of S with H and with parameters of the law, per unit [parameters]:
+    ///   dS = F^-1 (A[dH] + sum dP/dp_k dp_k - dH S)
+    Tensor3<double> relaxing_stress_change(const State& s, const Tensor3<double>& dh,
+                                           std::span<const double> parameters) const {
+        Tensor3<double> change = tangent_of_part(s, dh);
+        for (std::size_t k = 0; k < parameters.size(); ++k)
+            if (parameters[k] != 0)
+                change = sum_of(1.0, change, parameters[k],
+                                relaxing_parameter_stress(s, static_cast<int>(k)));
+        if constexpr (!small_strain)
+            change = sum_of(1.0, change, -1.0, times(dh, second_piola(relaxation.part(), s.h)));
+        return inverse_times<small_strain>(s.h, change);
+    }
+    /// What a change of `prestress` adds to P: F dQ.
+    Tensor3<double> prestress_stress(const State& s, const Tensor3<double>& change) const {
+        if constexpr (small_strain) return change;
+        return sum_of(1.0, change, 1.0, times(s.h, change));
     }
     /// For which `prestress` does the work that the direction D does on what it adds to P:
     /// the symmetric part of F^T D.
