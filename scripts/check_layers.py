@@ -15,7 +15,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 SOLVER_MODEL = ["solver/base", "solver/mesh", "solver/elements", "solver/materials", "solver/model"]
 BACKEND = SOLVER_MODEL + ["solver/backend"]
-SOLVER = BACKEND + ["solver/linear", "solver/equilibrium", "solver/adjoint", "solver/condense"]
+SOLVER = BACKEND + ["solver/linear", "solver/equilibrium", "solver/adjoint", "solver/sensitivity",
+                    "solver/condense"]
 FILES = SOLVER + ["host/system", "host/io"]
 GEOMETRY = FILES + ["host/geometry/fields", "host/geometry/surfaces", "host/geometry/meshing", "host/geometry/warping"]
 PAGES = GEOMETRY + ["host/page"]
@@ -41,6 +42,7 @@ ALLOWED = {
     "solver/linear": BACKEND,
     "solver/equilibrium": BACKEND + ["solver/linear"],
     "solver/adjoint": BACKEND + ["solver/linear", "solver/equilibrium"],
+    "solver/sensitivity": BACKEND + ["solver/linear", "solver/equilibrium"],
     "solver/condense": BACKEND + ["solver/linear", "solver/equilibrium"],
     # The mesh program is licensed apart: it shares the exchange format and plain types, no more.
     "host/geometry/mesh_tool": ["solver/base", "solver/mesh", "host/geometry/meshing/exchange",

@@ -89,7 +89,8 @@ CAPTIONS = {
     "host/system": "processes, signals, limits", "solver/base": "types, errors",
     "solver/mesh": "nodes, elements", "solver/elements": "shape functions", "solver/materials": "energy and stress",
     "solver/model": "what is asked", "solver/backend": "the interface", "solver/linear": "K x = b",
-    "solver/equilibrium": "f(u) = 0", "solver/adjoint": "gradients", "solver/condense": "regions to surfaces",
+    "solver/equilibrium": "f(u) = 0", "solver/adjoint": "gradients", "solver/sensitivity": "forward columns",
+    "solver/condense": "regions to surfaces",
     "solver/backends/reference": "plain host loops", "solver/backends/opencl": "runs kernels/*.cl",
     "solver/backends/kokkos": "OpenMP, CUDA, HIP", "solver/backends": "the list of them",
 }

@@ -58,7 +58,7 @@ private:
     // Slopes of J by what the step under way leaves to the next one.
     Eigen::VectorXd by_displacement_;
     std::vector<Vec3> by_motion_, by_friction_;
-    HistorySlopes by_history_;
+    HistoryTensors by_history_;
 };
 
 HistoryAdjoint::HistoryAdjoint(const SolidModel& model, const std::vector<LoadTime>& times,
@@ -72,7 +72,7 @@ HistoryAdjoint::HistoryAdjoint(const SolidModel& model, const std::vector<LoadTi
     by_displacement_ = Eigen::VectorXd::Zero(model.num_dofs());
     by_motion_.assign(model.contacts.size(), Vec3::Zero());
     by_friction_.assign(states.empty() ? 0 : states[0].contact.friction.size(), Vec3::Zero());
-    by_history_ = histories_.front().make_slopes();
+    by_history_ = histories_.front().make_tensors();
 }
 
 void HistoryAdjoint::remember() {
@@ -108,7 +108,7 @@ void HistoryAdjoint::step_back(std::size_t i, const Eigen::VectorXd& dj_du,
     // the
     // next step, and by being where that step began. K^T lambda = total (method.md, 9.13).
     const auto stress_slope = histories_[i].stress_slope(dt_s(i), by_history_);
-    Eigen::VectorXd total = by_displacement_ + solid_.elastic_stress_gradient(u, stress_slope) +
+    Eigen::VectorXd total = by_displacement_ + solid_.relaxing_stress_gradient(u, stress_slope) +
                             contact.friction_gradient(u, by_friction_);
     if (dj_du.size() > 0) total += dj_du;
     Eigen::VectorXd lambda;

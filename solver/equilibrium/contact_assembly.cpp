@@ -52,6 +52,7 @@ struct ContactAssembly::Point {
 struct ContactAssembly::Slopes {
     Rates traction;  ///< pressure and friction
     Rates friction;
+    Vec3 by_coefficient;  ///< of friction
 };
 
 ContactAssembly::ContactAssembly(const SolidModel& model) : model_(model) {
@@ -80,7 +81,8 @@ bool ContactAssembly::has_friction() const {
                        [](const Contact& contact) { return contact.friction > 0; });
 }
 
-Vec3 ContactAssembly::at_point(const Point& point, const Eigen::VectorXd& u) const {
+Vec3 ContactAssembly::at_point(const Point& point,
+                               const Eigen::Ref<const Eigen::VectorXd>& u) const {
     Vec3 sum = Vec3::Zero();
     for (std::size_t a = 0; a < point.face->size(); ++a)
         // u(x) = sum N_a u_a
@@ -164,6 +166,12 @@ ContactAssembly::Slopes ContactAssembly::slopes_at(const Point& point,
     // d(traction)/d(y, y_before, t0), limit = mu p(y) with its derivative
     slopes.friction = rates(traction.friction);
     slopes.traction = slopes.friction + rates(traction.pressure);
+    slopes.by_coefficient.setZero();
+    // t = z limit / |z|, limit = mu p: dt/dmu = t / mu where it slips, nothing where it sticks
+    if (traction.is_slipping)
+        for (int i = 0; i < 3; ++i)
+            slopes.by_coefficient[i] =
+                traction.friction[i].value() / model_.contacts[point.contact].friction;
     return slopes;
 }
 
@@ -258,6 +266,63 @@ Eigen::VectorXd ContactAssembly::friction_gradient(const Eigen::VectorXd& u,
             gradient.segment<3>(3 * (*point.face)[a]) += point.value[a] * by_place;
     }
     return gradient;
+}
+
+/// Of y, but for the displacement now, of y_before and of the friction then.
+Eigen::Matrix<double, 9, 1> ContactAssembly::start_change(std::size_t point,
+                                                          const ContactChange& change) const {
+    const std::size_t contact = points_[point].contact;
+    Eigen::Matrix<double, 9, 1> by = Eigen::Matrix<double, 9, 1>::Zero();
+    // y = X + u - motion and y_before alike
+    if (!change.motion.empty()) by.head<3>() -= change.motion[contact];
+    if (!change.motion_before.empty()) by.segment<3>(3) -= change.motion_before[contact];
+    if (change.displacement_before.size() > 0)
+        by.segment<3>(3) += at_point(points_[point], change.displacement_before);
+    if (!change.friction_before.empty()) by.tail<3>() = change.friction_before[point];
+    return by;
+}
+
+Eigen::MatrixXd ContactAssembly::force_changes(const Eigen::VectorXd& u,
+                                               const std::vector<ContactChange>& changes) const {
+    Eigen::MatrixXd sum =
+        Eigen::MatrixXd::Zero(u.size(), static_cast<Eigen::Index>(changes.size()));
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+        const Point& point = points_[k];
+        const Slopes slopes = slopes_at(point, u);
+        for (std::size_t c = 0; c < changes.size(); ++c) {
+            Vec3 traction = slopes.traction * start_change(k, changes[c]);
+            if (!changes[c].coefficient.empty())
+                traction += changes[c].coefficient[point.contact] * slopes.by_coefficient;
+            for (std::size_t a = 0; a < point.face->size(); ++a)
+                // df_a = -A N_a d(p n + t)
+                sum.col(static_cast<Eigen::Index>(c)).segment<3>(3 * (*point.face)[a]) -=
+                    point.area * point.value[a] * traction;
+        }
+    }
+    return sum;
+}
+
+std::vector<ContactStateChange> ContactAssembly::state_changes(
+    const Eigen::VectorXd& u, const Eigen::MatrixXd& du,
+    const std::vector<ContactChange>& changes) const {
+    std::vector<ContactStateChange> result(changes.size());
+    for (ContactStateChange& change : result)
+        change.force.assign(model_.contacts.size(), Vec3::Zero());
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+        const Point& point = points_[k];
+        const Slopes slopes = slopes_at(point, u);
+        for (std::size_t c = 0; c < changes.size(); ++c) {
+            Eigen::Matrix<double, 9, 1> by = start_change(k, changes[c]);
+            by.head<3>() += at_point(point, du.col(static_cast<Eigen::Index>(c)));
+            Vec3 more = Vec3::Zero();
+            if (!changes[c].coefficient.empty())
+                more = changes[c].coefficient[point.contact] * slopes.by_coefficient;
+            // dF = sum A d(p n + t), and dt for the next step
+            result[c].force[point.contact] += point.area * (slopes.traction * by + more);
+            result[c].friction.push_back(slopes.friction * by + more);
+        }
+    }
+    return result;
 }
 
 ContactGradient ContactAssembly::start_gradient(const Eigen::VectorXd& u,

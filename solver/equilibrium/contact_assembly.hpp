@@ -33,6 +33,22 @@ struct ContactGradient {
     std::vector<Vec3> friction_before;    ///< [contact points] per kPa
 };
 
+/// A direction in what a step's contacts are made of, per unit of one parameter; an empty list
+/// means no change.
+struct ContactChange {
+    Eigen::VectorXd displacement_before;  ///< [3 num_nodes] mm
+    std::vector<Vec3> motion_before;      ///< [contacts] mm
+    std::vector<Vec3> motion;             ///< [contacts] mm
+    std::vector<Vec3> friction_before;    ///< [contact points] kPa
+    std::vector<double> coefficient;      ///< [contacts] of friction
+};
+
+/// How a ContactState changes.
+struct ContactStateChange {
+    std::vector<Vec3> force;     ///< [contacts] mN, on the body
+    std::vector<Vec3> friction;  ///< [contact points] kPa, on the body
+};
+
 /// The contacts of a SolidModel over one step of a load history: forces and stiffness at the
 /// quadrature points of the faces that may touch (`contact_traction`). What friction is limited by
 /// is held between two calls of `renew_limits`, so that forces are a gradient and the stiffness is
@@ -72,10 +88,20 @@ public:
     ContactGradient start_gradient(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
                                    const std::vector<Vec3>& slope) const;
 
+    /// How the contacts' part of the internal force changes at a held u with each of the changes,
+    /// limits following the pressure: mN per unit [3 num_nodes, changes].
+    Eigen::MatrixXd force_changes(const Eigen::VectorXd& u,
+                                  const std::vector<ContactChange>& changes) const;
+    /// How `state` changes with u, du [3 num_nodes, changes] mm, and the rest of each change.
+    std::vector<ContactStateChange> state_changes(const Eigen::VectorXd& u,
+                                                  const Eigen::MatrixXd& du,
+                                                  const std::vector<ContactChange>& changes) const;
+
 private:
     struct Point;
     struct Slopes;
-    Vec3 at_point(const Point& point, const Eigen::VectorXd& u) const;
+    Vec3 at_point(const Point& point, const Eigen::Ref<const Eigen::VectorXd>& u) const;
+    Eigen::Matrix<double, 9, 1> start_change(std::size_t point, const ContactChange& change) const;
     Slopes slopes_at(const Point& point, const Eigen::VectorXd& u) const;
     void add_stiffness(const Point& point, const Mat3& stiffness, BlockMatrix& matrix) const;
 

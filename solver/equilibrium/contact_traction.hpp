@@ -58,9 +58,10 @@ ObstacleDepth<Number> depth_in(const Obstacle& obstacle, const Triple<Number>& y
 /// On the body, per undeformed area, kPa.
 template <class Number>
 struct ContactTraction {
-    Triple<Number> pressure;  ///< along the obstacle's normal
-    Triple<Number> friction;  ///< across it
-    Number limit;             ///< that friction cannot exceed
+    Triple<Number> pressure;   ///< along the obstacle's normal
+    Triple<Number> friction;   ///< across it
+    Number limit;              ///< that friction cannot exceed
+    bool is_slipping = false;  ///< friction is at its limit
 };
 
 /// Coulomb's friction by elastic slip and radial return (Wriggers 2006, section 5.2): with the
@@ -95,6 +96,7 @@ ContactTraction<Number> contact_traction(const Contact& contact, const Triple<Nu
     const Number square = dot_of(z, z);
     result.friction = z;
     if (square > result.limit * result.limit) {
+        result.is_slipping = true;
         const Number part = result.limit / sqrt(square);
         for (int i = 0; i < 3; ++i) result.friction[i] = part * z[i];
     }

@@ -13,7 +13,9 @@
 //   pull_back(p)            the stress on the given H that does the work of p on the law's H:
 //                           pull_back(p) : dh = p : law_direction(dh)
 //   held_direction(p)       the direction D for which, at a given H, p does the work D : dP as the
-//                           law's stress changes by dP (a parameter's, say)
+//                           law's stress changes by dP (a parameter's, say); and, the same
+//                           being symmetric, the change of the law's H that such a dP brings with
+//                           it
 namespace palpate {
 
 /// The law as it is: in space, in plane strain and about an axis H is known completely.

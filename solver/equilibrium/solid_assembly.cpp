@@ -12,7 +12,8 @@
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
-#include "solver/equilibrium/viscous_response.hpp"
+#include "solver/equilibrium/element_slopes.hpp"
+#include "solver/equilibrium/forward_response.hpp"
 #include "solver/materials/registry.hpp"
 #include "solver/model/element_parts.hpp"
 
@@ -41,45 +42,6 @@ AnyLaw law_of(const SolidMaterial& material) {
     return *found;
 }
 
-/// Numbers of elements, summed by material in the order of the elements: slopes by the parameters
-/// of the law, and one by the factor of a viscous step.
-class ElementSlopes {
-public:
-    explicit ElementSlopes(const SolidModel& model) : model_(model) {
-        for (const SolidMaterial& material : model.materials)
-            width_ = std::max(width_, 1 + material.parameters.size());
-        parts_.assign(width_ * model.mesh.region.size(), 0.0);
-    }
-    std::span<double> parameters_of(Index element) {
-        return {&parts_[width_ * element + 1],
-                model_.materials[model_.mesh.region[element]].parameters.size()};
-    }
-    double& factor_of(Index element) { return parts_[width_ * element]; }
-
-    std::vector<std::vector<double>> parameters() const {
-        std::vector<std::vector<double>> sums;
-        for (const SolidMaterial& material : model_.materials)
-            sums.emplace_back(material.parameters.size(), 0.0);
-        for (Index e = 0; e < model_.mesh.num_elements(); ++e) {
-            std::vector<double>& of_material = sums[model_.mesh.region[e]];
-            for (std::size_t k = 0; k < of_material.size(); ++k)
-                of_material[k] += parts_[width_ * e + 1 + k];
-        }
-        return sums;
-    }
-    std::vector<double> factor() const {
-        std::vector<double> sums(model_.materials.size());
-        for (Index e = 0; e < model_.mesh.num_elements(); ++e)
-            sums[model_.mesh.region[e]] += parts_[width_ * e];
-        return sums;
-    }
-
-private:
-    const SolidModel& model_;
-    std::size_t width_ = 1;
-    std::vector<double> parts_;
-};
-
 }  // namespace
 
 struct SolidAssembly::Tables {
@@ -104,6 +66,9 @@ struct SolidAssembly::Tables {
         const auto points = static_cast<std::size_t>(model.mesh.table().num_points);
         return std::span(list).subspan(element * points, points);
     }
+    /// What the changes are in one element.
+    std::vector<ElementChange> changes_of(Index element,
+                                          const std::vector<SolidChange>& changes) const;
     void find_blocks();
     /// Calls work(law_at) with what gives the law of a point of the element.
     template <class Work>
@@ -132,6 +97,19 @@ void SolidAssembly::Tables::find_blocks() {
                 blocks.push_back(
                     static_cast<Index>(std::lower_bound(row, end, b) - graph.items.begin()));
             }
+}
+
+std::vector<ElementChange> SolidAssembly::Tables::changes_of(
+    Index element, const std::vector<SolidChange>& changes) const {
+    const Index region = model.mesh.region[element];
+    std::vector<ElementChange> here;
+    for (const SolidChange& change : changes) {
+        ElementChange& one = here.emplace_back();
+        if (!change.parameters.empty()) one.parameters = change.parameters[region];
+        if (!change.factor.empty()) one.factor = change.factor[region];
+        if (!change.prestress.empty()) one.prestress = of_element(change.prestress, element);
+    }
+    return here;
 }
 
 ElementPoints SolidAssembly::Tables::points_of(Index element) const {
@@ -165,13 +143,22 @@ void SolidAssembly::Tables::with_laws(Index element, Work&& work) const {
     std::visit(
         [&](const auto& law) {
             using Law = std::decay_t<decltype(law)>;
-            if (is_viscous) {
+            if (!is_viscous) return work([&](std::size_t) { return law; });
+            // A step with relaxation is elastic: (1 + sum c_k) W + Q : E, or W + sum c_k W_iso +
+            // Q : E (method.md, 9.7).
+            const auto prestress_at = [&](std::size_t q) {
+                return prestress[element * points + q];
+            };
+            if (model.materials[region].relaxation_of == RelaxationOf::total) {
+                const TotalRelaxation<Law> total{law, factor[region]};
                 work([&](std::size_t q) {
-                    // A step with relaxation is elastic: (1 + sum c_k) W + Q : E (method.md, 9.7).
-                    return ViscousStep<Law>{law, factor[region], prestress[element * points + q]};
+                    return ViscousStep<TotalRelaxation<Law>>{total, prestress_at(q)};
                 });
             } else {
-                work([&](std::size_t) { return law; });
+                const IsochoricRelaxation<Law> isochoric(law, factor[region]);
+                work([&](std::size_t q) {
+                    return ViscousStep<IsochoricRelaxation<Law>>{isochoric, prestress_at(q)};
+                });
             }
         },
         laws[region]);
@@ -291,7 +278,7 @@ void SolidAssembly::set_viscous_step(std::vector<double> factor,
     tables_->prestress = std::move(prestress);
 }
 
-std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd& u) const {
+std::vector<Tensor3<double>> SolidAssembly::relaxing_stress(const Eigen::VectorXd& u) const {
     const Tables& tables = *tables_;
     const auto points = static_cast<std::size_t>(tables.model.mesh.table().num_points);
     std::vector<Tensor3<double>> stress(tables.geometry.size(), Tensor3<double>{});
@@ -302,11 +289,13 @@ std::vector<Tensor3<double>> SolidAssembly::elastic_stress(const Eigen::VectorXd
         PointTensors h;
         tables.with_laws(
             e, [&](const auto& law_at) { law_gradients(tables.model, law_at, element, u, h); });
+        const bool is_total = tables.model.materials[region].relaxation_of == RelaxationOf::total;
         std::visit(
             [&](const auto& law) {
                 for (std::size_t q = 0; q < points; ++q)
-                    // S = F^-1 P of the law alone, without its history
-                    stress[e * points + q] = second_piola(law, h[q]);
+                    // S = F^-1 P of the law, or of its isochoric part, without its history
+                    stress[e * points + q] = is_total ? second_piola(law, h[q])
+                                                      : second_piola(isochoric_part(law), h[q]);
             },
             tables.laws[region]);
     });
@@ -333,7 +322,7 @@ std::vector<PointState> SolidAssembly::point_states(const Eigen::VectorXd& u) co
     return states;
 }
 
-Eigen::VectorXd SolidAssembly::elastic_stress_gradient(
+Eigen::VectorXd SolidAssembly::relaxing_stress_gradient(
     const Eigen::VectorXd& u, const std::vector<Tensor3<double>>& slope) const {
     const Tables& tables = *tables_;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(u.size());
@@ -377,6 +366,49 @@ ViscousSlopes SolidAssembly::viscous_slopes(const Eigen::VectorXd& u, const Eige
     result.factor = slopes.factor();
     result.parameters = slopes.parameters();
     return result;
+}
+
+Eigen::MatrixXd SolidAssembly::force_changes(const Eigen::VectorXd& u,
+                                             const std::vector<SolidChange>& changes) const {
+    const Tables& tables = *tables_;
+    Eigen::MatrixXd sum =
+        Eigen::MatrixXd::Zero(u.size(), static_cast<Eigen::Index>(changes.size()));
+    tables.for_each_element([&](Index e) {
+        const ElementPoints points = tables.points_of(e);
+        std::array<Vec3, most_element_nodes> none;
+        none.fill(Vec3::Zero());
+        std::vector<std::array<Vec3, most_element_nodes>> forces(changes.size(), none);
+        tables.with_laws(e, [&](const auto& law_at) {
+            add_force_changes(tables.model, law_at, points, u, tables.changes_of(e, changes),
+                              forces);
+        });
+        for (std::size_t c = 0; c < forces.size(); ++c)
+            for (std::size_t a = 0; a < points.nodes.size(); ++a)
+                // df_a += sum V dP g_a, u held (method.md, 9.15)
+                sum.col(static_cast<Eigen::Index>(c)).segment<3>(3 * points.nodes[a]) +=
+                    forces[c][a];
+    });
+    return sum;
+}
+
+std::vector<std::vector<Tensor3<double>>> SolidAssembly::relaxing_stress_changes(
+    const Eigen::VectorXd& u, const Eigen::MatrixXd& du,
+    const std::vector<SolidChange>& changes) const {
+    const Tables& tables = *tables_;
+    const auto points = static_cast<std::size_t>(tables.model.mesh.table().num_points);
+    std::vector<std::vector<Tensor3<double>>> stress(
+        changes.size(), std::vector<Tensor3<double>>(tables.geometry.size(), Tensor3<double>{}));
+    tables.for_each_element([&](Index e) {
+        tables.with_laws(e, [&](const auto& law_at) {
+            if constexpr (gives_viscous_step<decltype(law_at)>)
+                palpate::relaxing_stress_changes(
+                    tables.model, law_at, tables.points_of(e), u, du, tables.changes_of(e, changes),
+                    [&](std::size_t c, std::size_t q, const Tensor3<double>& change) {
+                        stress[c][e * points + q] = change;
+                    });
+        });
+    });
+    return stress;
 }
 
 }  // namespace palpate

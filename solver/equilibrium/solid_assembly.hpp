@@ -28,6 +28,13 @@ struct ViscousSlopes {
     std::vector<std::vector<double>> parameters;  ///< [materials][parameters]
 };
 
+/// A direction in what forces are made of at held displacements, per unit of one parameter.
+struct SolidChange {
+    std::vector<std::vector<double>> parameters;  ///< [materials][parameters]; empty: none
+    std::vector<double> factor;                   ///< [materials] of a viscous step; empty: none
+    std::vector<Tensor3<double>> prestress;       ///< [num_elements, num_points]; empty: none
+};
+
 /// What one quadrature point goes through.
 struct PointState {
     Tensor3<double> gradient;  ///< H as its law has it (mean volume, plane stress)
@@ -55,9 +62,9 @@ public:
     ///   factor     [materials]
     ///   prestress  [num_elements, num_points] second Piola, kPa
     void set_viscous_step(std::vector<double> factor, std::vector<Tensor3<double>> prestress);
-    /// Second Piola stresses of the laws alone at u, kPa [num_elements, num_points]; zero for
-    /// materials without relaxation.
-    std::vector<Tensor3<double>> elastic_stress(const Eigen::VectorXd& u) const;
+    /// Second Piola stresses of what relaxes (`RelaxationOf`) at u, without what earlier steps
+    /// left, kPa [num_elements, num_points]; zero for materials without relaxation.
+    std::vector<Tensor3<double>> relaxing_stress(const Eigen::VectorXd& u) const;
 
     /// All points at u, [num_elements, num_points], for reports.
     std::vector<PointState> point_states(const Eigen::VectorXd& u) const;
@@ -73,14 +80,22 @@ public:
                                                         const Eigen::VectorXd& lambda) const;
     /// df/dp at u: one matrix [3 num_nodes, parameters] per material, mN per unit of the parameter.
     std::vector<Eigen::MatrixXd> parameter_forces(const Eigen::VectorXd& u) const;
-    /// Derivative by u of the sum over points of slope : S, S as `elastic_stress` has it; [3
+    /// Derivative by u of the sum over points of slope : S, S as `relaxing_stress` has it; [3
     /// num_nodes].
-    Eigen::VectorXd elastic_stress_gradient(const Eigen::VectorXd& u,
-                                            const std::vector<Tensor3<double>>& slope) const;
+    Eigen::VectorXd relaxing_stress_gradient(const Eigen::VectorXd& u,
+                                             const std::vector<Tensor3<double>>& slope) const;
     /// Derivatives of (sum over points of slope : S) - lambda . f, f the internal force, at a held
     /// u.
     ViscousSlopes viscous_slopes(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
                                  const std::vector<Tensor3<double>>& slope) const;
+    /// df at a held u for each of the changes, mN per unit [3 num_nodes, changes].
+    Eigen::MatrixXd force_changes(const Eigen::VectorXd& u,
+                                  const std::vector<SolidChange>& changes) const;
+    /// How `relaxing_stress` changes with the displacements, du [3 num_nodes, changes] mm, and the
+    /// rest of each change: kPa per unit [changes][num_elements, num_points].
+    std::vector<std::vector<Tensor3<double>>> relaxing_stress_changes(
+        const Eigen::VectorXd& u, const Eigen::MatrixXd& du,
+        const std::vector<SolidChange>& changes) const;
 
 private:
     struct Tables;

@@ -100,17 +100,36 @@ bool TangentSolve::solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r,
     return true;
 }
 
-bool TangentSolve::solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r,
-                                    Eigen::MatrixXd& x, bool is_transposed, double tolerance) {
+template <class Work>
+bool TangentSolve::with_tangent_at(const Eigen::VectorXd& u, bool is_transposed, const Work& work) {
     // The last factor of the search is nearly this tangent's: refining is cheaper than a new one.
     if (is_factorised_ && !contact_.has_friction()) {
         fill_matrix(u);
-        if (refine_columns(r, tolerance, x)) return true;
+        if (work()) return true;
     }
     if (!factorise(u)) return false;
     // The factor has limits held (symmetric), the product not: refinement finds the difference.
     contact_.add_limit_rates(u, is_transposed, matrix_);
-    return refine_columns(r, tolerance, x);
+    return work();
+}
+
+bool TangentSolve::solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r,
+                                    Eigen::MatrixXd& x, bool is_transposed, double tolerance) {
+    return with_tangent_at(u, is_transposed, [&] { return refine_columns(r, tolerance, x); });
+}
+
+bool TangentSolve::solve_changes_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r,
+                                    Eigen::MatrixXd& x) {
+    constexpr double tolerance = 1e-12;
+    Eigen::MatrixXd moved = x;
+    for (Eigen::Index d = 0; d < moved.rows(); ++d)
+        if (free_.number[d] >= 0) moved.row(d).setZero();
+    return with_tangent_at(u, false, [&] {
+        // K_ff x_f = r_f - K_fp x_p
+        if (!refine_columns(moved.isZero(0) ? r : r - times(moved), tolerance, x)) return false;
+        x += moved;
+        return true;
+    });
 }
 
 double TangentSolve::force_of_rounding(const Eigen::VectorXd& u) const {

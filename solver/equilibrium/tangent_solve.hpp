@@ -35,6 +35,10 @@ public:
     ///   tolerance   of the relative residual, where less than 1e-12 will do
     bool solve_columns_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r, Eigen::MatrixXd& x,
                           bool is_transposed = true, double tolerance = 1e-12);
+    /// x with K_ff x_f = R_f - K_fp x_p for many columns, K as in `solve_columns_at` not
+    /// transposed: x [3 num_nodes, columns] holds x_p at prescribed dofs on entry. False if that
+    /// fails.
+    bool solve_changes_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& r, Eigen::MatrixXd& x);
     /// Whether the last factorisation or solve failed because K is not positive definite.
     bool is_indefinite() const { return solver_->is_indefinite(); }
     /// Why the last factorisation or solve failed.
@@ -53,6 +57,10 @@ private:
     void fill_matrix(const Eigen::VectorXd& u);
     bool refine(const Eigen::MatrixXd& r, double tolerance, Eigen::Ref<Eigen::MatrixXd> x) const;
     bool refine_columns(const Eigen::MatrixXd& r, double tolerance, Eigen::MatrixXd& x) const;
+    /// Calls work() with the tangent at u and the last factor, if that is near enough for it to
+    /// return true, else with a new one.
+    template <class Work>
+    bool with_tangent_at(const Eigen::VectorXd& u, bool is_transposed, const Work& work);
 
     const SolidAssembly& solid_;
     ContactAssembly contact_;

@@ -24,9 +24,11 @@ void check_times(const std::vector<LoadTime>& times);
 
 /// Quasi-static equilibrium at each of the times, ascending from above 0. With the reduced
 /// relaxation function G(t) = 1 + sum_k C_k exp(-t / tau_k) of quasi-linear viscoelasticity (Fung
-/// 1993, section 7.6) the second Piola stress is that of the law, S, plus one history per term,
+/// 1993, section 7.6) the second Piola stress is that of the law plus one history per term,
 ///   h_k' = exp(-x) h_k + c_k (S' - S),   x = dt / tau_k,   c_k = C_k (1 - exp(-x)) / x,
-/// exact where S changes linearly in time (Taylor, Pister and Goudreau 1970). Stops after the first
+/// exact where S changes linearly in time (Taylor, Pister and Goudreau 1970). S is the law's stress
+/// or its isochoric part, as `SolidMaterial::relaxation_of` says; for instantaneous moduli G is
+/// divided by 1 + sum C_k. Stops after the first
 /// time whose equilibrium is not reached. Throws as `solve_equilibrium` does, and
 /// Error(invalid_argument) for times that do not ascend.
 std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,

@@ -3,30 +3,10 @@
 #include "solver/equilibrium/viscous_history.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace palpate {
 namespace {
-
-/// A term over a step: h' = kept h + part (S' - S), and how both change with amplitude and time.
-struct TermStep {
-    double kept, part;
-    double part_by_amplitude, kept_by_time, part_by_time;
-
-    TermStep(const RelaxationTerm& term, double dt_s) {
-        // x = dt / tau, kept = exp(-x), part = C (1 - exp(-x)) / x (method.md, 9.6)
-        const double x = dt_s / term.time_s;
-        kept = std::exp(-x);
-        part_by_amplitude = -std::expm1(-x) / x;
-        part = term.amplitude * part_by_amplitude;
-        // dx/dtau = -x / tau,  d kept/dx = -kept,  d((1 - e^-x) / x)/dx = (e^-x - (1 - e^-x) / x) /
-        // x
-        const double x_by_time = -x / term.time_s;
-        kept_by_time = -kept * x_by_time;
-        part_by_time = term.amplitude * (kept - part_by_amplitude) / x * x_by_time;
-    }
-};
 
 void add(Tensor3<double>& sum, double factor, const Tensor3<double>& term) {
     sum = sum_of(1.0, sum, factor, term);
@@ -42,95 +22,157 @@ bool has_relaxation(const SolidModel& model) {
 ViscousHistory::ViscousHistory(const SolidModel& model)
     : model_(&model),
       points_per_element_(static_cast<std::size_t>(model.mesh.table().num_points)),
-      stress_(points_per_element_ * model.mesh.region.size(), Tensor3<double>{}),
-      terms_(make_slopes().terms) {}
+      now_(make_tensors()) {}
 
 Index ViscousHistory::material_of(std::size_t point) const {
     return model_->mesh.region[point / points_per_element_];
 }
 
-const std::vector<RelaxationTerm>& ViscousHistory::relaxation_of(std::size_t point) const {
-    return model_->materials[material_of(point)].relaxation;
+HistoryTensors ViscousHistory::make_tensors() const {
+    HistoryTensors tensors;
+    tensors.stress.assign(points_per_element_ * model_->mesh.region.size(), Tensor3<double>{});
+    for (std::size_t p = 0; p < tensors.stress.size(); ++p)
+        tensors.terms.emplace_back(model_->materials[material_of(p)].relaxation.size(),
+                                   Tensor3<double>{});
+    return tensors;
 }
 
-HistorySlopes ViscousHistory::make_slopes() const {
-    HistorySlopes slopes;
-    slopes.stress.assign(stress_.size(), Tensor3<double>{});
-    for (std::size_t p = 0; p < stress_.size(); ++p)
-        slopes.terms.emplace_back(relaxation_of(p).size(), Tensor3<double>{});
-    return slopes;
+std::vector<RelaxationStep> ViscousHistory::steps(double dt_s) const {
+    std::vector<RelaxationStep> steps;
+    for (const SolidMaterial& material : model_->materials)
+        steps.push_back(relaxation_step(material, dt_s));
+    return steps;
+}
+
+std::vector<RelaxationStep> ViscousHistory::step_changes(double dt_s,
+                                                         const RelaxationChange& change) const {
+    std::vector<RelaxationStep> steps;
+    for (std::size_t m = 0; m < model_->materials.size(); ++m) {
+        std::span<const RelaxationTerm> terms;
+        if (!change.terms.empty()) terms = change.terms[m];
+        steps.push_back(relaxation_step_change(model_->materials[m], dt_s, terms, change.dt_s));
+    }
+    return steps;
 }
 
 void ViscousHistory::begin_step(double dt_s, SolidAssembly& solid) const {
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
     std::vector<double> factor;
-    for (const SolidMaterial& material : model_->materials) {
-        factor.push_back(1);
-        for (const RelaxationTerm& term : material.relaxation)
-            // 1 + sum c_k (method.md, 9.7)
-            factor.back() += TermStep(term, dt_s).part;
-    }
-    std::vector<Tensor3<double>> prestress(stress_.size(), Tensor3<double>{});
-    for (std::size_t p = 0; p < terms_.size(); ++p)
-        for (std::size_t k = 0; k < terms_[p].size(); ++k) {
-            const TermStep step(relaxation_of(p)[k], dt_s);
+    // g + sum c_k (method.md, 9.7)
+    for (const RelaxationStep& step : by_material) factor.push_back(step.factor);
+    std::vector<Tensor3<double>> prestress(now_.stress.size(), Tensor3<double>{});
+    for (std::size_t p = 0; p < prestress.size(); ++p) {
+        const RelaxationStep& step = by_material[material_of(p)];
+        for (std::size_t k = 0; k < step.terms.size(); ++k) {
             // Q = sum_k (exp(-x) h_k - c_k S_n): what of sum h_k' is known before the step
-            add(prestress[p], step.kept, terms_[p][k]);
-            add(prestress[p], -step.part, stress_[p]);
+            add(prestress[p], step.terms[k].kept, now_.terms[p][k]);
+            add(prestress[p], -step.terms[k].part, now_.stress[p]);
         }
+    }
     solid.set_viscous_step(std::move(factor), std::move(prestress));
 }
 
 void ViscousHistory::end_step(double dt_s, const SolidAssembly& solid, const Eigen::VectorXd& u) {
-    std::vector<Tensor3<double>> next = solid.elastic_stress(u);
-    for (std::size_t p = 0; p < terms_.size(); ++p)
-        for (std::size_t k = 0; k < terms_[p].size(); ++k) {
-            const TermStep step(relaxation_of(p)[k], dt_s);
-            // h_k' = exp(-x) h_k + c_k (S' - S_n) (method.md, 9.6)
-            const auto change = sum_of(1.0, next[p], -1.0, stress_[p]);
-            terms_[p][k] = sum_of(step.kept, terms_[p][k], step.part, change);
-        }
-    stress_ = std::move(next);
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
+    std::vector<Tensor3<double>> next = solid.relaxing_stress(u);
+    for (std::size_t p = 0; p < next.size(); ++p) {
+        const RelaxationStep& step = by_material[material_of(p)];
+        // h_k' = exp(-x) h_k + c_k (S' - S_n) (method.md, 9.6)
+        const auto change = sum_of(1.0, next[p], -1.0, now_.stress[p]);
+        for (std::size_t k = 0; k < step.terms.size(); ++k)
+            now_.terms[p][k] =
+                sum_of(step.terms[k].kept, now_.terms[p][k], step.terms[k].part, change);
+    }
+    now_.stress = std::move(next);
 }
 
 std::vector<Tensor3<double>> ViscousHistory::stress_slope(double dt_s,
-                                                          const HistorySlopes& after) const {
+                                                          const HistoryTensors& after) const {
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
     std::vector<Tensor3<double>> slope = after.stress;
-    for (std::size_t p = 0; p < terms_.size(); ++p)
-        for (std::size_t k = 0; k < terms_[p].size(); ++k)
+    for (std::size_t p = 0; p < slope.size(); ++p) {
+        const RelaxationStep& step = by_material[material_of(p)];
+        for (std::size_t k = 0; k < step.terms.size(); ++k)
             // dJ/dS' = what the next step says of S' + sum_k c_k dJ/dh_k'
-            add(slope[p], TermStep(relaxation_of(p)[k], dt_s).part, after.terms[p][k]);
+            add(slope[p], step.terms[k].part, after.terms[p][k]);
+    }
     return slope;
 }
 
-HistorySlopes ViscousHistory::slopes_before(
-    double dt_s, const HistorySlopes& after, const ViscousSlopes& step,
+HistoryTensors ViscousHistory::slopes_before(
+    double dt_s, const HistoryTensors& after, const ViscousSlopes& step,
     const std::vector<Tensor3<double>>& stress,
     std::vector<std::vector<RelaxationTerm>>& relaxation) const {
-    HistorySlopes before = make_slopes();
-    for (std::size_t p = 0; p < terms_.size(); ++p)
-        for (std::size_t k = 0; k < terms_[p].size(); ++k) {
-            const TermStep term(relaxation_of(p)[k], dt_s);
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
+    HistoryTensors before = make_tensors();
+    std::vector<RelaxationStep> slopes;  // of J by the step of each material
+    for (std::size_t m = 0; m < by_material.size(); ++m)
+        // c_k is in the factor g + sum c_k of the step as well.
+        slopes.push_back(
+            {step.factor[m], std::vector<RelaxationStep::Term>(by_material[m].terms.size())});
+    for (std::size_t p = 0; p < now_.stress.size(); ++p) {
+        const RelaxationStep& of_point = by_material[material_of(p)];
+        for (std::size_t k = 0; k < of_point.terms.size(); ++k) {
+            const RelaxationStep::Term& term = of_point.terms[k];
             // h_k and S_n enter twice, in h_k' and in Q, as exp(-x) h_k - c_k S_n:
             //   dJ/dh_k = exp(-x) (dJ/dh_k' + dJ/dQ),   dJ/dS_n = -c_k (dJ/dh_k' + dJ/dQ).
             const auto on_both = sum_of(1.0, after.terms[p][k], 1.0, step.prestress[p]);
             add(before.terms[p][k], term.kept, on_both);
             add(before.stress[p], -term.part, on_both);
-            // dJ/d exp(-x) and dJ/dc_k, then both by C_k and tau_k
-            const double by_kept = double_dot(on_both, terms_[p][k]);
-            const double by_part =
-                double_dot(after.terms[p][k], stress[p]) - double_dot(on_both, stress_[p]);
-            RelaxationTerm& sum = relaxation[material_of(p)][k];
-            sum.amplitude += by_part * term.part_by_amplitude;
-            sum.time_s += by_kept * term.kept_by_time + by_part * term.part_by_time;
+            // dJ/d exp(-x) and dJ/dc_k
+            RelaxationStep::Term& sum = slopes[material_of(p)].terms[k];
+            sum.kept += double_dot(on_both, now_.terms[p][k]);
+            sum.part +=
+                double_dot(after.terms[p][k], stress[p]) - double_dot(on_both, now_.stress[p]);
         }
-    for (std::size_t m = 0; m < model_->materials.size(); ++m)
-        for (std::size_t k = 0; k < model_->materials[m].relaxation.size(); ++k) {
-            const TermStep term(model_->materials[m].relaxation[k], dt_s);
-            // c_k is in the factor 1 + sum c_k of the step as well.
-            relaxation[m][k].amplitude += step.factor[m] * term.part_by_amplitude;
-            relaxation[m][k].time_s += step.factor[m] * term.part_by_time;
-        }
+    }
+    for (std::size_t m = 0; m < slopes.size(); ++m)
+        add_term_slopes(model_->materials[m], dt_s, slopes[m], relaxation[m]);
     return before;
+}
+
+SolidChange ViscousHistory::begin_change(double dt_s, const HistoryTensors& before,
+                                         const RelaxationChange& change) const {
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
+    const std::vector<RelaxationStep> changes = step_changes(dt_s, change);
+    SolidChange result;
+    for (const RelaxationStep& step : changes) result.factor.push_back(step.factor);
+    result.prestress.assign(now_.stress.size(), Tensor3<double>{});
+    for (std::size_t p = 0; p < now_.stress.size(); ++p)
+        for (std::size_t k = 0; k < now_.terms[p].size(); ++k) {
+            const RelaxationStep::Term& step = by_material[material_of(p)].terms[k];
+            const RelaxationStep::Term& by = changes[material_of(p)].terms[k];
+            // dQ = sum_k (d exp(-x) h_k + exp(-x) dh_k - dc_k S_n - c_k dS_n)
+            add(result.prestress[p], by.kept, now_.terms[p][k]);
+            add(result.prestress[p], step.kept, before.terms[p][k]);
+            add(result.prestress[p], -by.part, now_.stress[p]);
+            add(result.prestress[p], -step.part, before.stress[p]);
+        }
+    return result;
+}
+
+HistoryTensors ViscousHistory::end_change(double dt_s, const HistoryTensors& before,
+                                          const std::vector<Tensor3<double>>& stress,
+                                          std::vector<Tensor3<double>> stress_change,
+                                          const RelaxationChange& change) const {
+    const std::vector<RelaxationStep> by_material = steps(dt_s);
+    const std::vector<RelaxationStep> changes = step_changes(dt_s, change);
+    HistoryTensors after = make_tensors();
+    for (std::size_t p = 0; p < stress.size(); ++p) {
+        const auto rise = sum_of(1.0, stress[p], -1.0, now_.stress[p]);
+        const auto rise_change = sum_of(1.0, stress_change[p], -1.0, before.stress[p]);
+        for (std::size_t k = 0; k < now_.terms[p].size(); ++k) {
+            const RelaxationStep::Term& step = by_material[material_of(p)].terms[k];
+            const RelaxationStep::Term& by = changes[material_of(p)].terms[k];
+            // dh_k' = d exp(-x) h_k + exp(-x) dh_k + dc_k (S' - S_n) + c_k (dS' - dS_n)
+            add(after.terms[p][k], by.kept, now_.terms[p][k]);
+            add(after.terms[p][k], step.kept, before.terms[p][k]);
+            add(after.terms[p][k], by.part, rise);
+            add(after.terms[p][k], step.part, rise_change);
+        }
+    }
+    after.stress = std::move(stress_change);
+    return after;
 }
 
 }  // namespace palpate

@@ -16,17 +16,17 @@ using LawOf = std::decay_t<decltype(std::declval<const LawAt&>()(std::size_t{0})
 template <class LawAt>
 constexpr bool gives_viscous_step = is_viscous_step<LawOf<std::decay_t<LawAt>>>;
 
-/// slope : S of every point as a stress on the law's H, per volume.
+/// slope : S of every point as a stress on the law's H, per volume; S is what relaxes.
 template <class Response>
 void stress_slopes(const Response& response, const ElementPoints& element,
                    std::span<const Tensor3<double>> slope, PointTensors& stress) {
     for (std::size_t q = 0; q < element.geometry.size(); ++q)
-        stress[q] = response.law(q).elastic_stress_slope(
+        stress[q] = response.law(q).relaxing_stress_slope(
             response.state(q), scaled(slope[q], 1 / element.geometry[q].volume));
 }
 
-/// Derivative by the element's displacements of the sum of slope : S, S the second Piola stress of
-/// the law alone at each point.
+/// Derivative by the element's displacements of the sum of slope : S, S the second Piola stress
+/// that relaxes at each point.
 template <class LawAt>
 std::array<Vec3, most_element_nodes> element_stress_gradient(
     const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
@@ -73,13 +73,16 @@ void add_viscous_slopes(const SolidModel& model, const LawAt& law_at, const Elem
                 scaled(sum_of(1.0, given[q], 1.0, response.held_direction(q, stress[q])), volume);
             sums.prestress[q] =
                 sum_of(1.0, sums.prestress[q], 1.0, law.prestress_slope(state, on_stress));
-            sums.factor += double_dot(law.law.stress(state.elastic), on_stress);
-            const auto on_elastic =
-                sum_of(law.factor, on_stress, 1.0,
-                       inverse_transposed_times<LawOf<LawAt>>(state.h, slope[q]));
-            for (std::size_t k = 0; k < sums.parameters.size(); ++k)
-                sums.parameters[k] += double_dot(
-                    law.law.parameter_stress(state.elastic, static_cast<int>(k)), on_elastic);
+            sums.factor += double_dot(law.factor_stress(state), on_stress);
+            // slope : dS = F^-T slope : dP of what relaxes
+            const auto on_relaxing =
+                inverse_transposed_times<LawOf<LawAt>::small_strain>(state.h, slope[q]);
+            for (std::size_t k = 0; k < sums.parameters.size(); ++k) {
+                const int parameter = static_cast<int>(k);
+                sums.parameters[k] +=
+                    double_dot(law.parameter_stress(state, parameter), on_stress) +
+                    double_dot(law.relaxing_parameter_stress(state, parameter), on_relaxing);
+            }
         }
     });
 }

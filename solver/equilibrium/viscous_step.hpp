@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <type_traits>
+#include <utility>
 
 #include "solver/base/tensor3.hpp"
+#include "solver/materials/isochoric.hpp"
 #include "solver/materials/linear_law.hpp"
 
 namespace palpate {
@@ -12,107 +15,192 @@ namespace palpate {
 /// Laws whose stress knows no difference between the Piola stresses.
 template <class Law>
 constexpr bool is_small_strain = std::is_same_v<Law, LinearLaw<double>>;
-template <class Law>
+template <class Relaxation>
 struct ViscousStep;
-template <class Law>
-constexpr bool is_small_strain<ViscousStep<Law>> = is_small_strain<Law>;
+template <class Relaxation>
+constexpr bool is_small_strain<ViscousStep<Relaxation>> =
+    is_small_strain<typename Relaxation::Whole>;
 template <class Law>
 constexpr bool is_viscous_step = false;
-template <class Law>
-constexpr bool is_viscous_step<ViscousStep<Law>> = true;
+template <class Relaxation>
+constexpr bool is_viscous_step<ViscousStep<Relaxation>> = true;
 
-/// F^-T m; for small strains m itself.
-template <class Law>
-Tensor3<double> inverse_transposed_times(const Tensor3<double>& h, const Tensor3<double>& m) {
-    if constexpr (is_small_strain<Law>) {
-        return m;
+/// F^-1 p or, transposed, F^-T p; for small strains p itself.
+template <bool small_strain>
+Tensor3<double> inverse_times(const Tensor3<double>& h, const Tensor3<double>& p) {
+    if constexpr (small_strain) {
+        return p;
     } else {
         Tensor3<double> f = h;
         add_diagonal(f, 1.0);
-        return scaled(times(cofactors(f), m), 1 / (1 + determinant_change(h)));
+        return scaled(transposed_times(cofactors(f), p), 1 / (1 + determinant_change(h)));
+    }
+}
+template <bool small_strain>
+Tensor3<double> inverse_transposed_times(const Tensor3<double>& h, const Tensor3<double>& p) {
+    if constexpr (small_strain) {
+        return p;
+    } else {
+        Tensor3<double> f = h;
+        add_diagonal(f, 1.0);
+        return scaled(times(cofactors(f), p), 1 / (1 + determinant_change(h)));
     }
 }
 
 /// The second Piola stress F^-1 P of a law; for small strains P itself.
 template <class Law>
 Tensor3<double> second_piola(const Law& law, const Tensor3<double>& h) {
-    const Tensor3<double> stress = law.stress(law.state(h));
-    if constexpr (is_small_strain<Law>) {
-        return stress;
-    } else {
-        Tensor3<double> f = h;
-        add_diagonal(f, 1.0);
-        return scaled(transposed_times(cofactors(f), stress), 1 / (1 + determinant_change(h)));
-    }
+    return inverse_times<is_small_strain<Law>>(h, law.stress(law.state(h)));
 }
 
-/// One time step of quasi-linear viscoelasticity on top of a law, with the interface of a law. The
-/// second Piola stress of the law times `factor`, plus what earlier steps left, is the derivative
-/// of
-///   W' = factor W + prestress : E
-/// by the strain E, so a step is elastic (see time_steps.hpp).
+/// factor W: all of the law's stress relaxes.
 template <class Law>
+struct TotalRelaxation {
+    using Whole = Law;
+    using State = typename Law::State;
+
+    Law law;
+    double factor = 1;
+
+    State state(const Tensor3<double>& h) const { return law.state(h); }
+    double energy(const State& s) const { return factor * law.energy(s); }
+    Tensor3<double> stress(const State& s) const { return scaled(law.stress(s), factor); }
+    Tensor3<double> tangent_apply(const State& s, const Tensor3<double>& dh) const {
+        return scaled(law.tangent_apply(s, dh), factor);
+    }
+    Tensor3<double> parameter_stress(const State& s, int k) const {
+        return scaled(law.parameter_stress(s, k), factor);
+    }
+
+    /// The law of the stress that relaxes, and its state.
+    const Law& part() const { return law; }
+    const State& state_of_part(const State& s) const { return s; }
+};
+
+/// W + (factor - 1) W_iso: the stress of changes of shape relaxes, that of changes of volume not
+/// (Holzapfel, Nonlinear Solid Mechanics, 2000, section 6.10).
+template <class Law>
+struct IsochoricRelaxation {
+    using Whole = Law;
+    using Scaled = decltype(isochorically_scaled(std::declval<const Law&>(), 1.0));
+    using Part = decltype(isochoric_part(std::declval<const Law&>()));
+    using State = typename Scaled::State;
+
+    IsochoricRelaxation(const Law& law, double factor)
+        : scaled_(isochorically_scaled(law, factor)), part_(isochoric_part(law)) {}
+
+    State state(const Tensor3<double>& h) const { return scaled_.state(h); }
+    double energy(const State& s) const { return scaled_.energy(s); }
+    Tensor3<double> stress(const State& s) const { return scaled_.stress(s); }
+    Tensor3<double> tangent_apply(const State& s, const Tensor3<double>& dh) const {
+        return scaled_.tangent_apply(s, dh);
+    }
+    Tensor3<double> parameter_stress(const State& s, int k) const {
+        return scaled_.parameter_stress(s, k);
+    }
+
+    /// As `TotalRelaxation` has them.
+    const Part& part() const { return part_; }
+    typename Part::State state_of_part(const State& s) const { return part_state(part_, s); }
+
+private:
+    Scaled scaled_;
+    Part part_;
+};
+
+/// One time step of quasi-linear viscoelasticity on top of a law, with the interface of a law. The
+/// second Piola stress S that relaxes, times a factor, the elastic rest, and what earlier steps
+/// left are the derivative of
+///   W' = (factor W, or W + (factor - 1) W_iso) + prestress : E
+/// by the strain E, so a step is elastic (see time_steps.hpp). `Relaxation` is one of the two
+/// above.
+template <class Relaxation>
 struct ViscousStep {
     using Number = double;
+    static constexpr bool small_strain = is_small_strain<typename Relaxation::Whole>;
     struct State {
-        typename Law::State elastic;
+        typename Relaxation::State relaxing;
         Tensor3<double> h;
         bool is_valid;
     };
 
-    Law law;
-    double factor = 1;
+    Relaxation relaxation;
     Tensor3<double> prestress{};  ///< symmetric, kPa
 
     State state(const Tensor3<double>& h) const {
-        const auto elastic = law.state(h);
-        return {elastic, h, elastic.is_valid};
+        const auto relaxing = relaxation.state(h);
+        return {relaxing, h, relaxing.is_valid};
     }
     double energy(const State& s) const {
         // prestress is symmetric: prestress : E = prestress : (H + H^T H / 2)
         double work = double_dot(prestress, s.h);
-        if constexpr (!is_small_strain<Law>)
+        if constexpr (!small_strain)
             work += 0.5 * double_dot(prestress, transposed_times(s.h, s.h));
-        return factor * law.energy(s.elastic) + work;
+        return relaxation.energy(s.relaxing) + work;
     }
     Tensor3<double> stress(const State& s) const {
-        return with_prestress(law.stress(s.elastic), s.h, 1.0);
+        return with_prestress(relaxation.stress(s.relaxing), s.h, 1.0);
     }
     Tensor3<double> tangent_apply(const State& s, const Tensor3<double>& dh) const {
-        return with_prestress(law.tangent_apply(s.elastic, dh), dh, 0.0);
+        return with_prestress(relaxation.tangent_apply(s.relaxing, dh), dh, 0.0);
     }
     /// What earlier steps left is held.
     Tensor3<double> parameter_stress(const State& s, int k) const {
-        return scaled(law.parameter_stress(s.elastic, k), factor);
+        return relaxation.parameter_stress(s.relaxing, k);
     }
 
-    /// Derivative of slope : S by H, S the second Piola stress of the law alone:
-    ///   A[G] - G S,  G = F^-T slope
-    Tensor3<double> elastic_stress_slope(const State& s, const Tensor3<double>& slope) const {
-        const Tensor3<double> g = inverse_transposed_times<Law>(s.h, slope);
-        const Tensor3<double> change = law.tangent_apply(s.elastic, g);
-        if constexpr (is_small_strain<Law>) return change;
-        return sum_of(1.0, change, -1.0, times(g, second_piola(law, s.h)));
+    /// By the factor: the first Piola stress of what relaxes.
+    Tensor3<double> factor_stress(const State& s) const {
+        return relaxation.part().stress(relaxation.state_of_part(s.relaxing));
+    }
+    /// By a parameter: the first Piola stress of what relaxes.
+    Tensor3<double> relaxing_parameter_stress(const State& s, int k) const {
+        return relaxation.part().parameter_stress(relaxation.state_of_part(s.relaxing), k);
+    }
+    /// Derivative of slope : S by H:
+    ///   A[G] - G S,  G = F^-T slope,  A the tangent of what relaxes
+    Tensor3<double> relaxing_stress_slope(const State& s, const Tensor3<double>& slope) const {
+        const Tensor3<double> g = inverse_transposed_times<small_strain>(s.h, slope);
+        const Tensor3<double> change = tangent_of_part(s, g);
+        if constexpr (small_strain) return change;
+        return sum_of(1.0, change, -1.0, times(g, second_piola(relaxation.part(), s.h)));
+    }
+    /// The change of S with H and with parameters of the law, per unit [parameters]:
+    ///   dS = F^-1 (A[dH] + sum dP/dp_k dp_k - dH S)
+    Tensor3<double> relaxing_stress_change(const State& s, const Tensor3<double>& dh,
+                                           std::span<const double> parameters) const {
+        Tensor3<double> change = tangent_of_part(s, dh);
+        for (std::size_t k = 0; k < parameters.size(); ++k)
+            if (parameters[k] != 0)
+                change = sum_of(1.0, change, parameters[k],
+                                relaxing_parameter_stress(s, static_cast<int>(k)));
+        if constexpr (!small_strain)
+            change = sum_of(1.0, change, -1.0, times(dh, second_piola(relaxation.part(), s.h)));
+        return inverse_times<small_strain>(s.h, change);
+    }
+    /// What a change of `prestress` adds to P: F dQ.
+    Tensor3<double> prestress_stress(const State& s, const Tensor3<double>& change) const {
+        if constexpr (small_strain) return change;
+        return sum_of(1.0, change, 1.0, times(s.h, change));
     }
     /// For which `prestress` does the work that the direction D does on what it adds to P:
     /// the symmetric part of F^T D.
     Tensor3<double> prestress_slope(const State& s, const Tensor3<double>& direction) const {
         Tensor3<double> slope = direction;
-        if constexpr (!is_small_strain<Law>)
+        if constexpr (!small_strain)
             slope = sum_of(1.0, slope, 1.0, transposed_times(s.h, direction));
-        Tensor3<double> sum = slope;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                sum.m[3 * i + j] = 0.5 * (slope.m[3 * i + j] + slope.m[3 * j + i]);
-        return sum;
+        return scaled(twice_symmetric_part(slope), 0.5);
     }
 
 private:
-    /// factor p + (identity I + h) prestress, the last term without h for small strains.
+    Tensor3<double> tangent_of_part(const State& s, const Tensor3<double>& dh) const {
+        return relaxation.part().tangent_apply(relaxation.state_of_part(s.relaxing), dh);
+    }
+    /// p + (identity I + h) prestress, the last term without h for small strains.
     Tensor3<double> with_prestress(const Tensor3<double>& p, const Tensor3<double>& h,
                                    double identity) const {
-        Tensor3<double> sum = sum_of(factor, p, identity, prestress);
-        if constexpr (!is_small_strain<Law>) sum = sum_of(1.0, sum, 1.0, times(h, prestress));
+        Tensor3<double> sum = sum_of(1.0, p, identity, prestress);
+        if constexpr (!small_strain) sum = sum_of(1.0, sum, 1.0, times(h, prestress));
         return sum;
     }
 };

@@ -45,9 +45,12 @@ struct FiniteStrainLaw {
     using Number = Real;
     using State = FiniteStrainState<Real>;
 
-    PALPATE_DEVICE State state(const Tensor3<Real>& h) const {
+    PALPATE_DEVICE State state(const Tensor3<Real>& h) const { return state_of(finite_strain(h)); }
+
+    /// The same for a strain that is there already.
+    PALPATE_DEVICE State state_of(const FiniteStrain<Real>& strain) const {
         State s;
-        s.strain = finite_strain(h);
+        s.strain = strain;
         s.response = law().response(s.strain);
         s.is_valid = s.strain.is_valid;
         const Tensor3<Real> p = stress(s);

@@ -5,6 +5,7 @@
 #include "solver/materials/finite_strain_law.hpp"
 #include "solver/materials/lame.hpp"
 #include "solver/materials/material.hpp"
+#include "solver/materials/reduced_invariants.hpp"
 
 namespace palpate {
 
@@ -46,6 +47,14 @@ struct NeoHookeanLaw : FiniteStrainLaw<NeoHookeanLaw<Real>, Real> {
     PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
                                                               int k) const {
         return of_moduli(strain, lame.mu_slope[k], lame.lambda_slope[k]);
+    }
+
+    /// psi of the isochoric part: mu/2 (J1 - 3) is the energy of J^(-1/3) F.
+    PALPATE_DEVICE Potential<Real> potential(Real x) const {
+        return {lame.mu / 2 * x, lame.mu / 2, Real(0)};
+    }
+    PALPATE_DEVICE PotentialSlope<Real> potential_slope(Real x, int k) const {
+        return {lame.mu_slope[k] / 2 * x, lame.mu_slope[k] / 2};
     }
 
 private:

@@ -31,14 +31,21 @@ struct NeoHookeanReducedLaw : FiniteStrainLaw<NeoHookeanReducedLaw<Real>, Real> 
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);
-        return reduced_response(strain, x, Potential<Real>{mu * x, mu, 0}, kappa);
+        return reduced_response(strain, x, potential(x), kappa);
     }
 
     PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
                                                               int k) const {
         const Real x = distortion(strain);
-        return k == 0 ? reduced_parameter_response(strain, x, x, Real(1), Real(0))
-                      : reduced_parameter_response(strain, x, Real(0), Real(0), Real(1));
+        return reduced_parameter_response(strain, x, potential_slope(x, k), Real(k));
+    }
+
+    /// psi of the isochoric part, psi(x) = mu x.
+    PALPATE_DEVICE Potential<Real> potential(Real x) const { return {mu * x, mu, Real(0)}; }
+    PALPATE_DEVICE PotentialSlope<Real> potential_slope(Real x, int k) const {
+        // By mu and kappa
+        if (k == 0) return {x, Real(1)};
+        return {Real(0), Real(0)};
     }
 };
 

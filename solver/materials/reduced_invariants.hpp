@@ -50,13 +50,21 @@ PALPATE_DEVICE Response<Real> reduced_response(const FiniteStrain<Real>& strain,
     return r;
 }
 
-/// The same by a parameter, from the derivatives of psi, psi' and kappa by it.
+/// psi and psi' by a parameter.
+template <typename Real>
+struct PotentialSlope {
+    Real value;
+    Real first;
+};
+
+/// The response by a parameter, from the derivatives of psi, psi' and kappa by it.
 template <typename Real>
 PALPATE_DEVICE ParameterResponse<Real> reduced_parameter_response(const FiniteStrain<Real>& strain,
-                                                                  Real x, Real psi, Real psi_first,
+                                                                  Real x,
+                                                                  const PotentialSlope<Real>& psi,
                                                                   Real kappa) {
     const Real change = strain.volume_change;
-    return {psi + kappa / 2 * change * change, 2 * psi_first * reduced_scale(strain, x),
+    return {psi.value + kappa / 2 * change * change, 2 * psi.first * reduced_scale(strain, x),
             kappa * (1 + change) * change};
 }
 

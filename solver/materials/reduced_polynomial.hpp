@@ -36,18 +36,26 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);
-        // psi = C1 x + C2 x^2, psi' = C1 + 2 C2 x, psi'' = 2 C2
-        return reduced_response(strain, x,
-                                Potential<Real>{x * (c1 + c2 * x), c1 + 2 * c2 * x, 2 * c2}, kappa);
+        return reduced_response(strain, x, potential(x), kappa);
     }
 
     PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
                                                               int k) const {
         const Real x = distortion(strain);
+        return reduced_parameter_response(strain, x, potential_slope(x, k),
+                                          k == 2 ? kappa_slope : Real(0));
+    }
+
+    /// psi of the isochoric part, psi(x).
+    PALPATE_DEVICE Potential<Real> potential(Real x) const {
+        // psi = C1 x + C2 x^2, psi' = C1 + 2 C2 x, psi'' = 2 C2
+        return {x * (c1 + c2 * x), c1 + 2 * c2 * x, 2 * c2};
+    }
+    PALPATE_DEVICE PotentialSlope<Real> potential_slope(Real x, int k) const {
         // By C1, C2 and D1; kappa = 2 / D1
-        if (k == 0) return reduced_parameter_response(strain, x, x, Real(1), Real(0));
-        if (k == 1) return reduced_parameter_response(strain, x, x * x, 2 * x, Real(0));
-        return reduced_parameter_response(strain, x, Real(0), Real(0), kappa_slope);
+        if (k == 0) return {x, Real(1)};
+        if (k == 1) return {x * x, 2 * x};
+        return {Real(0), Real(0)};
     }
 };
 

@@ -44,26 +44,30 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);
-        const Real growth = expm1(gamma * x);
-        // psi = mu/gamma (e^(gamma x) - 1), psi' = mu e^(gamma x), psi'' = gamma psi'
-        const Real first = mu * (1 + growth);
-        return reduced_response(strain, x,
-                                Potential<Real>{mu / gamma * growth, first, gamma * first}, kappa);
+        return reduced_response(strain, x, potential(x), kappa);
     }
 
-    /// d psi/d gamma = mu (gamma x e^(gamma x) - e^(gamma x) + 1) / gamma^2
     PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
                                                               int k) const {
         const Real x = distortion(strain);
+        return reduced_parameter_response(strain, x, potential_slope(x, k), Real(k == 2 ? 1 : 0));
+    }
+
+    /// psi of the isochoric part, psi(x).
+    PALPATE_DEVICE Potential<Real> potential(Real x) const {
         const Real growth = expm1(gamma * x);
-        if (k == 0)
-            // By mu, gamma and kappa: psi and psi' are linear in mu, d psi'/d gamma = mu x e^(gamma
-            // x).
-            return reduced_parameter_response(strain, x, growth / gamma, 1 + growth, Real(0));
-        if (k == 1)
-            return reduced_parameter_response(strain, x, mu * x * x * exponential_moment(gamma * x),
-                                              mu * x * (1 + growth), Real(0));
-        return reduced_parameter_response(strain, x, Real(0), Real(0), Real(1));
+        // psi = mu/gamma (e^(gamma x) - 1), psi' = mu e^(gamma x), psi'' = gamma psi'
+        const Real first = mu * (1 + growth);
+        return {mu / gamma * growth, first, gamma * first};
+    }
+    PALPATE_DEVICE PotentialSlope<Real> potential_slope(Real x, int k) const {
+        const Real growth = expm1(gamma * x);
+        // By mu, gamma and kappa: psi and psi' are linear in mu,
+        //   d psi/d gamma = mu (gamma x e^(gamma x) - e^(gamma x) + 1) / gamma^2,
+        //   d psi'/d gamma = mu x e^(gamma x)
+        if (k == 0) return {growth / gamma, 1 + growth};
+        if (k == 1) return {mu * x * x * exponential_moment(gamma * x), mu * x * (1 + growth)};
+        return {Real(0), Real(0)};
     }
 };
 

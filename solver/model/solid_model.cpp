@@ -16,6 +16,16 @@ bool is_on_axis(const SolidMesh& mesh, Index node) {
 
 }  // namespace
 
+const char* name_of(RelaxationOf which) {
+    return which == RelaxationOf::total ? "total" : "isochoric";
+}
+
+RelaxationOf relaxation_of_name(const std::string& name) {
+    for (const auto which : {RelaxationOf::total, RelaxationOf::isochoric})
+        if (name == name_of(which)) return which;
+    refuse("relaxation is of the stress 'isochoric' or 'total', not of '" + name + "'");
+}
+
 void check_model(const SolidModel& model) {
     check_mesh(model.mesh);
     for (const SolidMaterial& material : model.materials) {

@@ -11,18 +11,32 @@
 
 namespace palpate {
 
-/// One term of a reduced relaxation function: after a sudden strain the stress exceeds that of the
-/// law by the part amplitude exp(-t / time).
+/// One term of a reduced relaxation function: after a sudden strain the stress that relaxes exceeds
+/// its long-term value by the part amplitude exp(-t / time).
 struct RelaxationTerm {
-    double amplitude = 0;  ///< >= 0, of the law's own (long-term) stress
+    double amplitude = 0;  ///< >= 0, of the long-term stress
     double time_s = 1;     ///< > 0
 };
+
+/// Which stress relaxes.
+enum class RelaxationOf {
+    total,      ///< all of it, pressure included: not stable where C p outweighs the shear modulus
+    isochoric,  ///< that of the changes of shape (`isochoric_part`); the volume stays elastic
+};
+/// "total", "isochoric".
+const char* name_of(RelaxationOf which);
+/// Throws Error(invalid_argument) naming those that there are.
+RelaxationOf relaxation_of_name(const std::string& name);
 
 /// A law of the registry with its parameters, in the order of its description.
 struct SolidMaterial {
     std::string law;  ///< "neo-hookean"
     std::vector<double> parameters;
     std::vector<RelaxationTerm> relaxation = {};  ///< empty: elastic
+    RelaxationOf relaxation_of = RelaxationOf::total;
+    /// The law is that of a sudden strain: the stress that relaxes ends at 1 / (1 + sum of
+    /// amplitudes) of it. Otherwise it is the long-term one.
+    bool is_instantaneous = false;
 };
 
 /// How the change of volume enters the laws.

@@ -117,6 +117,7 @@ law = "linear"
 stiffness_kpa = 10
 poisson_ratio = 0.3
 relaxation = [{amplitude = 0.8, time_s = 2.0}]
+relaxation_of = "total"
 """ + SMOOTH_BOX + TOP + f'column = "pull"\n[history]\ntime_s = {times}\npull = {[1] * 6}\n'
     rows = rows_of(simulated(tmp_path, text))
 
@@ -125,6 +126,30 @@ relaxation = [{amplitude = 0.8, time_s = 2.0}]
         since = row["time_s"] - ramp / 2
         expected = long_term * (1 + amplitude * math.exp(-since / tau))
         assert row["top_z_mn"] == pytest.approx(expected, rel=1e-6)
+
+
+def test_by_default_the_volume_stays_elastic_while_the_rest_relaxes(tmp_path):
+    amplitude, tau, shear, bulk = 0.8, 2.0, 10 / 2.6, 10 / 1.2
+    text = BOX.replace("[mesh]", '[mesh]\nvolume = "pointwise"') + """
+[[material]]
+law = "linear"
+stiffness_kpa = 10
+poisson_ratio = 0.3
+relaxation = [{amplitude = 0.8, time_s = 2.0}]
+""" + SMOOTH_BOX + TOP + """column = "pull"
+[history]
+time_s = [1e-4, 8]
+pull = [1, 1]
+longest_step_s = 0.1
+"""
+    rows = rows_of(simulated(tmp_path, text))
+
+    # E + (E0 - E) exp(-t / tau'): the shear modulus relaxes, the bulk modulus does not
+    sudden = 9 * bulk * 1.8 * shear / (3 * bulk + 1.8 * shear)
+    longer = tau * (3 * bulk + (1 + amplitude) * shear) / (3 * bulk + shear)
+    for row in rows[1:]:
+        expected = 12 * 0.2 * (10 + (sudden - 10) * math.exp(-row["time_s"] / longer))
+        assert row["top_z_mn"] == pytest.approx(expected, rel=2e-4)
 
 
 def test_loads_of_a_file_are_those_of_lists(tmp_path):

@@ -13,10 +13,17 @@ namespace {
 
 constexpr double stiffness_factor = 100;
 
+/// Young's modulus of a sudden small strain.
 double modulus_kpa(const SolidMaterial& material) {
+    const SmallStrainModuli moduli = small_strain_moduli(material.law, material.parameters);
+    if (material.is_instantaneous) return moduli.stiffness_kpa;
     double height = 1;
     for (const RelaxationTerm& term : material.relaxation) height += term.amplitude;
-    return height * small_strain_moduli(material.law, material.parameters).stiffness_kpa;
+    if (material.relaxation_of == RelaxationOf::total) return height * moduli.stiffness_kpa;
+    // G = E / (2 (1 + nu)) is higher, K = E / (3 (1 - 2 nu)) not
+    const double shear = moduli.stiffness_kpa / (2 * (1 + moduli.poisson_ratio));
+    const double bulk = moduli.stiffness_kpa / (3 * (1 - 2 * moduli.poisson_ratio));
+    return moduli_of_shear_and_bulk(height * shear, bulk).stiffness_kpa;
 }
 
 /// The stiffest material of elements that have a node of these faces.

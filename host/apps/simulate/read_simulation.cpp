@@ -139,19 +139,34 @@ const MaterialDescription& read_law(const SettingsTable& table) {
     table.refuse("law", "allowed: " + names);
 }
 
-std::vector<RelaxationTerm> read_relaxation(const SettingsTable& table) {
-    std::vector<RelaxationTerm> terms;
+void read_relaxation(const SettingsTable& table, SolidMaterial& material) {
     for (const SettingsTable& term : table.tables("relaxation")) {
         term.allow_keys({"amplitude", "time_s"});
-        terms.push_back({needed_number(term, "amplitude", not_negative),
-                         needed_number(term, "time_s", positive)});
+        material.relaxation.push_back({needed_number(term, "amplitude", not_negative),
+                                       needed_number(term, "time_s", positive)});
     }
-    return terms;
+    for (const char* key : {"relaxation_of", "instantaneous"})
+        if (material.relaxation.empty() && table.has(key))
+            table.refuse(key, "it goes with relaxation = [{amplitude = ..., time_s = ...}]");
+    material.relaxation_of = relaxation_of_name(
+        table.choice("relaxation_of", {"isochoric", "total"}).value_or("isochoric"));
+    material.is_instantaneous = table.yes_or_no("instantaneous").value_or(false);
+}
+
+/// What a static load does with moduli of a sudden strain would depend on how fast it came.
+void refuse_instantaneous(const std::vector<MaterialSettings>& materials) {
+    for (const MaterialSettings& material : materials)
+        if (material.material.is_instantaneous)
+            material.source.refuse(
+                "instantaneous",
+                "a load without [history] meets the long-term law; give that (moduli at t = 0 "
+                "over 1 + the sum of amplitudes), or a [history]");
 }
 
 MaterialSettings read_material(const SettingsTable& table) {
     const MaterialDescription& law = read_law(table);
-    std::vector<std::string_view> keys{"region", "law", "relaxation"};
+    std::vector<std::string_view> keys{"region", "law", "relaxation", "relaxation_of",
+                                       "instantaneous"};
     for (const MaterialParameter& parameter : law.parameters) keys.push_back(parameter.name);
     table.allow_keys(keys);
     MaterialSettings settings;
@@ -165,7 +180,7 @@ MaterialSettings read_material(const SettingsTable& table) {
         if (!parameter.range.contains(*value)) table.refuse(parameter.name, "allowed: " + allowed);
         settings.material.parameters.push_back(*value);
     }
-    settings.material.relaxation = read_relaxation(table);
+    read_relaxation(table, settings.material);
     return settings;
 }
 
@@ -241,6 +256,8 @@ SimulationSettings parse_simulation(const std::string& toml, const std::string& 
     settings.materials = read_materials(document);
     if (const auto history = document.table("history"))
         settings.history = read_history(*history, folder);
+    else
+        refuse_instantaneous(settings.materials);
     read_loads(document, settings);
     if (const auto newton = document.table("newton")) read_newton(*newton, settings);
     if (const auto dynamics = document.table("dynamics")) {

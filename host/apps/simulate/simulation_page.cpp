@@ -130,6 +130,9 @@ std::string material_text(const SolidMaterial& material) {
     for (const RelaxationTerm& term : material.relaxation)
         out += fmt::format(", relaxes by {} within {} s", significant(term.amplitude),
                            significant(term.time_s));
+    if (!material.relaxation.empty())
+        out += fmt::format(" ({} stress{})", name_of(material.relaxation_of),
+                           material.is_instantaneous ? "; moduli at t = 0" : "");
     return out + "</span>";
 }
 

@@ -43,6 +43,9 @@ ResultTree material_part(const SolidMaterial& material, Index label) {
     ResultTree& terms = part.add_part("relaxation", json_list);
     for (const RelaxationTerm& term : material.relaxation)
         terms.add(ResultTree::of("", {{"amplitude", term.amplitude}, {"time_s", term.time_s}}));
+    if (material.relaxation.empty()) return part;
+    part.add("relaxation_of", name_of(material.relaxation_of));
+    part.add("instantaneous", material.is_instantaneous);
     return part;
 }
 

@@ -142,6 +142,19 @@ TEST(PrepareSimulation, AnObstacleIsAHundredTimesAsStiffAsTheStiffestElementItMa
     EXPECT_EQ(p.model.contacts[0].faces.size(), 8u);
     const double edge_mm = (2 + 2 + std::sqrt(8)) / 3;
     EXPECT_NEAR(p.model.contacts[0].stiffness_kpa_per_mm, 100 * 10 / edge_mm, 1e-9);
+    // At once the shear modulus is twice as high, the bulk modulus is not, unless all relaxes.
+    const auto stiffness_with = [&](const std::string& how) {
+        return prepared(box_mesh + one_material + "relaxation = [{amplitude = 1, time_s = 1}]\n" +
+                        how + held_base + plate +
+                        "column = \"a\"\n[history]\ntime_s = [1]\na = [1]\n")
+            .model.contacts[0]
+            .stiffness_kpa_per_mm;
+    };
+    const double shear = 10 / 2.6, bulk = 10 / 1.2;
+    const double sudden = 9 * bulk * 2 * shear / (3 * bulk + 2 * shear);
+    EXPECT_NEAR(stiffness_with(""), 100 * sudden / edge_mm, 1e-9);
+    EXPECT_NEAR(stiffness_with("relaxation_of = \"total\"\n"), 100 * 20 / edge_mm, 1e-9);
+    EXPECT_NEAR(stiffness_with("instantaneous = true\n"), 100 * 10 / edge_mm, 1e-9);
     EXPECT_EQ(p.loads_at(settings, 0).obstacle_motion, (std::vector<Vec3>{Vec3(0, 0, -1)}));
     const std::string friction = plate + "stiffness_kpa_per_mm = 7\nfriction = 0.3\n";
     EXPECT_DOUBLE_EQ(prepared(base + friction).model.contacts[0].slip_stiffness_kpa_per_mm, 7);

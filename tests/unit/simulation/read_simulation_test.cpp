@@ -28,6 +28,8 @@ law = "linear"
 stiffness_kpa = 5
 poisson_ratio = 0.3
 relaxation = [{amplitude = 0.5, time_s = 2}, {amplitude = 0.25, time_s = 20}]
+relaxation_of = "total"
+instantaneous = true
 [[material]]
 region = 7
 law = "neo-hookean-reduced"
@@ -88,6 +90,8 @@ TEST(ReadSimulation, TakesEveryKeyOfTheExample) {
     EXPECT_EQ(s.materials[0].material.parameters, (std::vector<double>{5, 0.3}));
     ASSERT_EQ(s.materials[0].material.relaxation.size(), 2u);
     EXPECT_DOUBLE_EQ(s.materials[0].material.relaxation[1].time_s, 20);
+    EXPECT_EQ(s.materials[0].material.relaxation_of, RelaxationOf::total);
+    EXPECT_TRUE(s.materials[0].material.is_instantaneous);
     ASSERT_EQ(s.supports.size(), 2u);
     EXPECT_EQ(s.supports[0].name, "fix 1");
     EXPECT_FALSE(s.supports[0].displacement_mm[0]);
@@ -141,6 +145,20 @@ TEST(ReadSimulation, MaterialsAreCheckedAgainstTheirTable) {
         law + "stiffness_kpa = 3\npoisson_ratio = 0.3\nrelaxation = [{amplitude = 1}]\n",
         {"[[relaxation]] number 1", "'time_s' is missing"});
     expect_complaint(box_mesh + one_material + one_material, {"'region' is missing", "several"});
+}
+
+TEST(ReadSimulation, RelaxationIsOfTheIsochoricStressUnlessTheFileSaysOtherwise) {
+    const std::string relaxing =
+        box_mesh + one_material + "relaxation = [{amplitude = 1, time_s = 1}]\n";
+    const SolidMaterial material = parsed(relaxing).materials[0].material;
+    EXPECT_EQ(material.relaxation_of, RelaxationOf::isochoric);
+    EXPECT_FALSE(material.is_instantaneous);
+    expect_complaint(relaxing + "relaxation_of = \"deviatoric\"\n",
+                     {"line 8", "'relaxation_of'", "isochoric", "total"});
+    expect_complaint(relaxing + "instantaneous = true\n",
+                     {"line 8", "'instantaneous'", "[history]"});
+    expect_complaint(box_mesh + one_material + "relaxation_of = \"total\"\n",
+                     {"line 7", "'relaxation_of'", "relaxation = ["});
 }
 
 TEST(ReadSimulation, AMeshNeedsOneSource) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "solver/model/block_product.hpp"
 #include "tests/fixtures/solid_models.hpp"
 
 namespace palpate {
@@ -84,6 +85,83 @@ TEST(ViscousHistory, RemembersNothingOfElasticMaterial) {
     EXPECT_FALSE(has_relaxation(model));
     EXPECT_TRUE(has_relaxation(relaxing_model()));
     for (const Tensor3<double>& stress : history.stress()) EXPECT_EQ(double_dot(stress, stress), 0);
+}
+
+/// A smooth displacement of some hundredths, zero at prescribed components that planes and axes
+/// ask for.
+Eigen::VectorXd waves(const SolidModel& model, double phase) {
+    Eigen::VectorXd u(model.num_dofs());
+    for (Index d = 0; d < model.num_dofs(); ++d)
+        u[d] = model.prescribed[d] ? 0 : 0.03 * std::sin(phase + 1.3 * d);
+    return u;
+}
+
+// The second of two steps, with histories that differ from its stress.
+TEST(ViscousHistory, ForcesAreTheSlopeOfTheEnergyAndTheTangentThatOfTheForces) {
+    constexpr double step = 1e-5;
+    for (SolidModel model : fixtures::solid_models())
+        for (const auto which : {RelaxationOf::total, RelaxationOf::isochoric}) {
+            SolidMaterial& material = model.materials[0];
+            material.relaxation = terms;
+            material.relaxation_of = which;
+            material.is_instantaneous = which == RelaxationOf::isochoric;
+            SolidAssembly solid(model);
+            ViscousHistory history(model);
+            history.begin_step(dt_s, solid);
+            history.end_step(dt_s, solid, waves(model, 0.3));
+            history.begin_step(dt_s, solid);
+            const Eigen::VectorXd u = waves(model, 1.1), along = waves(model, 2.5);
+
+            const InternalForce at = solid.internal_force(u);
+            const InternalForce up = solid.internal_force(u + step * along);
+            const InternalForce down = solid.internal_force(u - step * along);
+            BlockMatrix tangent = solid.make_matrix();
+            solid.tangent(u, tangent);
+
+            ASSERT_TRUE(at.is_valid);
+            const double slope = (up.energy - down.energy) / (2 * step);
+            EXPECT_NEAR(at.force.dot(along), slope, 1e-7 * (1 + std::abs(slope)))
+                << fixtures::name_of(model);
+            const Eigen::VectorXd change = (up.force - down.force) / (2 * step);
+            EXPECT_LT((times(tangent, along) - change).norm(), 1e-6 * change.norm())
+                << fixtures::name_of(model);
+        }
+}
+
+// Only changes of shape are stiffer at once.
+TEST(ViscousHistory, IsochoricRelaxationLeavesTheVolumeElastic) {
+    SolidModel model = relaxing_model();
+    Eigen::VectorXd swollen(model.num_dofs());
+    for (Index n = 0; n < model.mesh.num_nodes(); ++n)
+        swollen.segment<3>(3 * n) = 0.02 * model.mesh.nodes[n];
+    for (const SolidMaterial& bare : fixtures::solid_materials()) {
+        model.materials[0] = bare;
+        const double lasting = SolidAssembly(model).internal_force(swollen).energy;
+        model.materials[0].relaxation = terms;
+        model.materials[0].relaxation_of = RelaxationOf::isochoric;
+        SolidAssembly solid(model);
+        ViscousHistory history(model);
+        history.begin_step(1e-9, solid);
+
+        EXPECT_NEAR(solid.internal_force(swollen).energy, lasting, 1e-9 * lasting) << bare.law;
+        for (const Tensor3<double>& stress : solid.relaxing_stress(swollen))
+            EXPECT_LT(double_dot(stress, stress), 1e-20) << bare.law;
+    }
+}
+
+TEST(ViscousHistory, InstantaneousModuliAreThoseOfASuddenStrain) {
+    SolidModel model = relaxing_model();
+    model.materials[0].is_instantaneous = true;
+    SolidAssembly elastic(fixtures::solid_model(model.mesh, fixtures::solid_materials().front()));
+    SolidAssembly solid(model);
+    const ViscousHistory history(model);
+    const Eigen::VectorXd u = strained(model);
+    const double sudden = elastic.internal_force(u).force.norm();
+
+    history.begin_step(1e-9, solid);
+    EXPECT_NEAR(solid.internal_force(u).force.norm() / sudden, 1.0, 1e-6);
+    history.begin_step(1e9, solid);
+    EXPECT_NEAR(solid.internal_force(u).force.norm() / sudden, 1 / 1.9, 1e-6);
 }
 
 TEST(ViscousHistory, AddsUpOverTermsAndIsLinearInAmplitudes) {

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "solver/equilibrium/viscous_response.hpp"
+
+// Changes of one element with what its laws and its viscous step are made of, for forward columns.
+namespace palpate {
+
+/// A direction in what the stress of an element is made of, per unit of one parameter.
+struct ElementChange {
+    std::span<const double> parameters;               ///< [parameters] of the law
+    double factor = 0;                                ///< of the viscous step
+    std::span<const Tensor3<double>> prestress = {};  ///< [points] kPa; empty: none
+};
+
+/// dP at point q while H stays, of a law or a viscous step.
+template <class Law, class State>
+Tensor3<double> held_stress_change(const Law& law, const State& state, std::size_t q,
+                                   const ElementChange& change) {
+    Tensor3<double> sum{};
+    for (std::size_t k = 0; k < change.parameters.size(); ++k)
+        // dP = dP/dp_k dp_k + P of what relaxes dfactor + F dQ
+        if (change.parameters[k] != 0)
+            sum = sum_of(1.0, sum, change.parameters[k],
+                         law.parameter_stress(state, static_cast<int>(k)));
+    if constexpr (is_viscous_step<Law>) {
+        if (change.factor != 0) sum = sum_of(1.0, sum, change.factor, law.factor_stress(state));
+        if (!change.prestress.empty())
+            sum = sum_of(1.0, sum, 1.0, law.prestress_stress(state, change.prestress[q]));
+    }
+    return sum;
+}
+
+/// df at held displacements for each change: forces [changes] of the element's nodes, added to.
+template <class LawAt>
+void add_force_changes(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
+                       const Eigen::VectorXd& u, std::span<const ElementChange> changes,
+                       std::span<std::array<Vec3, most_element_nodes>> forces) {
+    with_response(model, law_at, element, u, [&](const auto& response) {
+        if (!response.is_valid()) return;
+        for (std::size_t c = 0; c < changes.size(); ++c) {
+            PointTensors stress;
+            for (std::size_t q = 0; q < element.geometry.size(); ++q)
+                stress[q] = held_stress_change(response.law(q), response.state(q), q, changes[c]);
+            response.pull_back(stress);
+            for (std::size_t q = 0; q < element.geometry.size(); ++q)
+                for (std::size_t a = 0; a < element.nodes.size(); ++a)
+                    forces[c][a] +=
+                        element.geometry[q].volume * force_on(stress[q], element.geometry[q], a);
+        }
+    });
+}
+
+/// dS of what relaxes, for each change and the displacement that follows from it.
+///   du     [3 num_nodes, changes] mm
+///   store  called with (change, point, dS)
+template <class LawAt, class Store>
+void relaxing_stress_changes(const SolidModel& model, const LawAt& law_at,
+                             const ElementPoints& element, const Eigen::VectorXd& u,
+                             const Eigen::MatrixXd& du, std::span<const ElementChange> changes,
+                             const Store& store) {
+    with_response(model, law_at, element, u, [&](const auto& response) {
+        if (!response.is_valid()) return;
+        for (std::size_t c = 0; c < changes.size(); ++c) {
+            const double* column = du.col(static_cast<Eigen::Index>(c)).data();
+            PointTensors given{}, along{};
+            for (std::size_t q = 0; q < element.geometry.size(); ++q)
+                given[q] = displacement_gradient(point_of(element, element.geometry[q]),
+                                                 element.nodes.data(), column);
+            response.law_directions(given, along);
+            for (std::size_t q = 0; q < element.geometry.size(); ++q) {
+                const auto& law = response.law(q);
+                const auto& state = response.state(q);
+                // H of the law follows the displacements, and in plane stress the held change.
+                const auto held = held_stress_change(law, state, q, changes[c]);
+                const auto dh = sum_of(1.0, along[q], 1.0, response.held_direction(q, held));
+                store(c, q, law.relaxing_stress_change(state, dh, changes[c].parameters));
+            }
+        }
+    });
+}
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "solver/equilibrium/time_steps.hpp"
+
+namespace palpate {
+
+/// How everything that a load history is made of changes with one parameter, per unit of it. An
+/// empty list means that nothing of it changes.
+struct HistoryDirection {
+    std::string name;                                     ///< for messages
+    std::vector<std::vector<double>> parameters;          ///< [materials][parameters]
+    std::vector<std::vector<RelaxationTerm>> relaxation;  ///< [materials][terms]
+    std::vector<double> friction;                         ///< [contacts] of the coefficients
+    std::vector<SolidLoads> loads;                        ///< [times] as in `LoadTime`
+    std::vector<double> time_s;                           ///< [times] of the times themselves
+};
+
+/// Along one parameter of a material's law. Throws Error(invalid_argument), like all of these, for
+/// a number out of range.
+HistoryDirection along_parameter(const SolidModel& model, std::size_t material,
+                                 std::size_t parameter);
+/// Along the amplitude C_k, or the time tau_k, of one relaxation term.
+HistoryDirection along_amplitude(const SolidModel& model, std::size_t material, std::size_t term);
+HistoryDirection along_relaxation_time(const SolidModel& model, std::size_t material,
+                                       std::size_t term);
+/// Along an obstacle's coefficient of friction, which must not be 0: there the derivative has two
+/// sides.
+HistoryDirection along_friction(const SolidModel& model, std::size_t contact);
+/// Along a factor of all loads: of displacements, forces and motions of obstacles. For a factor of
+/// some of them keep those only in `loads`.
+HistoryDirection along_load_scale(const std::vector<LoadTime>& times);
+/// Along a delay of the loads, s, while the times at which the body is looked at stay: -dL/dt of
+/// the loads that change linearly between the times. Where their slope jumps it is the mean of both
+/// sides, as central differences have it; after the last time they go on as before.
+HistoryDirection along_load_delay(const std::vector<LoadTime>& times);
+/// Along a shift of all times with their loads, s: everything happens later, the first step is
+/// longer. Unlike the delay it has no jumps; displacements then belong to times that move.
+HistoryDirection along_time_shift(const std::vector<LoadTime>& times);
+
+/// Throws Error(invalid_argument) for lists of a size that does not fit.
+void check_direction(const HistoryDirection& direction, const SolidModel& model,
+                     std::size_t num_times);
+
+}  // namespace palpate

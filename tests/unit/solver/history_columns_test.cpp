@@ -1,0 +1,295 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "solver/sensitivity/history_columns.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "solver/adjoint/history_adjoint.hpp"
+#include "solver/base/error.hpp"
+#include "tests/fixtures/touched_history.hpp"
+
+namespace palpate {
+namespace {
+
+using fixtures::LoadHistory;
+using fixtures::name_of;
+using fixtures::touched_history;
+
+constexpr double tolerance = 1e-5;  ///< of a column, relative to its norm
+constexpr double step = 1e-5;       ///< of a parameter, relative above one
+
+EquilibriumOptions tight() {
+    EquilibriumOptions options;
+    options.relative_tolerance = 1e-13;
+    return options;
+}
+
+/// Everything that a column is about, at all times: displacements, reactions, obstacles' forces.
+struct Answer {
+    Eigen::VectorXd displacement, reaction, contact_force;
+};
+
+void append(Eigen::VectorXd& list, const Eigen::VectorXd& more) {
+    list.conservativeResize(list.size() + more.size());
+    list.tail(more.size()) = more;
+}
+
+Answer answer_of(const LoadHistory& history) {
+    Answer answer;
+    const auto states = solve_history(history.model, history.times, tight());
+    EXPECT_EQ(states.size(), history.times.size());
+    for (const Equilibrium& state : states) {
+        EXPECT_TRUE(state.converged) << state.message;
+        append(answer.displacement, state.displacement);
+        append(answer.reaction, state.reaction);
+        for (const Vec3& force : state.contact.force) append(answer.contact_force, force);
+    }
+    return answer;
+}
+
+Answer column_of(const std::vector<ColumnsAtTime>& columns, Eigen::Index c) {
+    Answer answer;
+    for (const ColumnsAtTime& at : columns) {
+        append(answer.displacement, at.displacement.col(c));
+        append(answer.reaction, at.reaction.col(c));
+        for (const auto& force : at.contact_force) append(answer.contact_force, force.col(c));
+    }
+    return answer;
+}
+
+/// A parameter: the direction along it, and the history with it changed by an amount.
+struct Parameter {
+    HistoryDirection direction;
+    std::function<void(LoadHistory&, double)> change;
+    double step;
+};
+
+Answer difference(const LoadHistory& history, const Parameter& parameter) {
+    LoadHistory up = history, down = history;
+    parameter.change(up, parameter.step);
+    parameter.change(down, -parameter.step);
+    const Answer a = answer_of(up), b = answer_of(down);
+    const double by = 2 * parameter.step;
+    return {(a.displacement - b.displacement) / by, (a.reaction - b.reaction) / by,
+            (a.contact_force - b.contact_force) / by};
+}
+
+/// The largest of the three parts' errors, each relative to the norm of that part.
+double column_error(const Answer& found, const Answer& expected) {
+    double worst = 0;
+    const auto compare = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        if (b.norm() > 0) worst = std::max(worst, (a - b).norm() / b.norm());
+    };
+    compare(found.displacement, expected.displacement);
+    compare(found.reaction, expected.reaction);
+    compare(found.contact_force, expected.contact_force);
+    return worst;
+}
+
+/// The loads at t, linear between the times, from nothing at 0.
+SolidLoads loads_at(const std::vector<LoadTime>& times, double t) {
+    std::size_t i = 0;
+    while (i + 1 < times.size() && times[i].time_s < t) ++i;
+    const double from = i == 0 ? 0 : times[i - 1].time_s;
+    const double part = (t - from) / (times[i].time_s - from);
+    SolidLoads loads = times[i].loads;
+    loads.displacement *= part;
+    loads.force *= part;
+    for (Vec3& by : loads.obstacle_motion) by *= part;
+    if (i == 0) return loads;
+    const SolidLoads& before = times[i - 1].loads;
+    loads.displacement += (1 - part) * before.displacement;
+    loads.force += (1 - part) * before.force;
+    for (std::size_t c = 0; c < loads.obstacle_motion.size(); ++c)
+        loads.obstacle_motion[c] += (1 - part) * before.obstacle_motion[c];
+    return loads;
+}
+
+void add_material_parameters(const LoadHistory& history, std::vector<Parameter>& list) {
+    const SolidMaterial& material = history.model.materials[0];
+    for (std::size_t k = 0; k < material.parameters.size(); ++k)
+        list.push_back({along_parameter(history.model, 0, k),
+                        [k](LoadHistory& h, double by) {
+                            h.model.materials[0].parameters[k] += by;
+                        },
+                        step * material.parameters[k]});
+    for (std::size_t k = 0; k < material.relaxation.size(); ++k) {
+        list.push_back({along_amplitude(history.model, 0, k),
+                        [k](LoadHistory& h, double by) {
+                            h.model.materials[0].relaxation[k].amplitude += by;
+                        },
+                        step});
+        list.push_back({along_relaxation_time(history.model, 0, k),
+                        [k](LoadHistory& h, double by) {
+                            h.model.materials[0].relaxation[k].time_s += by;
+                        },
+                        step * material.relaxation[k].time_s});
+    }
+    list.push_back({along_friction(history.model, 0),
+                    [](LoadHistory& h, double by) { h.model.contacts[0].friction += by; }, step});
+}
+
+void add_load_parameters(const LoadHistory& history, std::vector<Parameter>& list) {
+    list.push_back({along_load_scale(history.times),
+                    [](LoadHistory& h, double by) {
+                        for (LoadTime& at : h.times) {
+                            at.loads.displacement *= 1 + by;
+                            at.loads.force *= 1 + by;
+                            for (Vec3& motion : at.loads.obstacle_motion) motion *= 1 + by;
+                        }
+                    },
+                    step});
+    HistoryDirection pushed = along_load_scale(history.times);
+    for (SolidLoads& loads : pushed.loads) {
+        loads.displacement.setZero();
+        loads.force.setZero();
+    }
+    list.push_back({pushed,
+                    [](LoadHistory& h, double by) {
+                        for (LoadTime& at : h.times)
+                            for (Vec3& motion : at.loads.obstacle_motion) motion *= 1 + by;
+                    },
+                    step});
+    list.push_back({along_load_delay(history.times),
+                    [](LoadHistory& h, double by) {
+                        const std::vector<LoadTime> times = h.times;
+                        // Beyond the last time the loads go on as before.
+                        for (LoadTime& at : h.times) at.loads = loads_at(times, at.time_s - by);
+                    },
+                    step});
+    list.push_back({along_time_shift(history.times),
+                    [](LoadHistory& h, double by) {
+                        for (LoadTime& at : h.times) at.time_s += by;
+                    },
+                    step});
+}
+
+std::vector<Parameter> parameters_of(const LoadHistory& history) {
+    std::vector<Parameter> list;
+    add_material_parameters(history, list);
+    add_load_parameters(history, list);
+    return list;
+}
+
+std::vector<HistoryDirection> directions_of(const std::vector<Parameter>& parameters) {
+    std::vector<HistoryDirection> directions;
+    for (const Parameter& parameter : parameters) directions.push_back(parameter.direction);
+    return directions;
+}
+
+TEST(HistoryColumns, AreThoseOfCentralDifferencesForEveryKindOfParameter) {
+    const std::vector<SolidModel> models = fixtures::solid_models();
+    // Every second: each element, formulation, law and treatment of the volume is among them.
+    for (std::size_t i = 0; i < models.size(); i += 2) {
+        const auto which = i % 4 == 0 ? RelaxationOf::isochoric : RelaxationOf::total;
+        const LoadHistory history = touched_history(models[i], which, i % 3 == 0);
+        const std::vector<Parameter> parameters = parameters_of(history);
+        const HistoryWithColumns found = solve_history_columns(
+            history.model, history.times, directions_of(parameters), tight());
+        ASSERT_EQ(found.columns.size(), history.times.size()) << found.states.back().message;
+        for (std::size_t c = 0; c < parameters.size(); ++c) {
+            const std::string name = name_of(models[i]) + ": " + parameters[c].direction.name;
+            const Answer expected = difference(history, parameters[c]);
+            const Answer column = column_of(found.columns, static_cast<Eigen::Index>(c));
+            EXPECT_GT(expected.displacement.norm(), 1e-5) << name;
+            EXPECT_GT(expected.contact_force.norm(), 1e-5) << name;
+            EXPECT_LT(column_error(column, expected), tolerance) << name;
+        }
+    }
+}
+
+LoadHistory plain_history() {
+    return touched_history(fixtures::solid_models()[2], RelaxationOf::isochoric, false);
+}
+
+TEST(HistoryColumns, TheCheckCatchesABrokenColumn) {
+    const LoadHistory history = plain_history();
+    const Parameter parameter = parameters_of(history)[2];  // an amplitude
+    HistoryWithColumns found =
+        solve_history_columns(history.model, history.times, {parameter.direction}, tight());
+    const Answer expected = difference(history, parameter);
+    ASSERT_LT(column_error(column_of(found.columns, 0), expected), tolerance);
+
+    // As if the last step had forgotten a ten-thousandth of what it began with.
+    found.columns.back().displacement *= 1 - 1e-4;
+    EXPECT_GT(column_error(column_of(found.columns, 0), expected), tolerance);
+}
+
+TEST(HistoryColumns, LeaveTheHistoryAsItIsToTheLastBit) {
+    const LoadHistory history = plain_history();
+    const auto expected = solve_history(history.model, history.times, {});
+    const auto found = solve_history_columns(history.model, history.times,
+                                             directions_of(parameters_of(history)));
+    ASSERT_EQ(found.states.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_EQ(found.states[i].displacement, expected[i].displacement);
+        EXPECT_EQ(found.states[i].reaction, expected[i].reaction);
+        EXPECT_EQ(found.states[i].contact.force, expected[i].contact.force);
+        EXPECT_EQ(found.states[i].records.size(), expected[i].records.size());
+    }
+}
+
+// J = sum over times of w . u
+TEST(HistoryColumns, AgreeWithTheAdjoint) {
+    const LoadHistory history = plain_history();
+    const std::vector<Parameter> parameters = parameters_of(history);
+    const HistoryWithColumns found = solve_history_columns(
+        history.model, history.times, directions_of(parameters), tight());
+    std::vector<Eigen::VectorXd> weights;
+    for (std::size_t i = 0; i < history.times.size(); ++i) {
+        Eigen::VectorXd w(history.model.num_dofs());
+        for (Eigen::Index d = 0; d < w.size(); ++d) w[d] = std::cos(0.9 * d + 0.4 * i) / (1 + i);
+        weights.push_back(w);
+    }
+    const HistoryGradient gradient =
+        history_gradient(history.model, history.times, found.states, weights);
+    const auto slope = [&](std::size_t c) {
+        double sum = 0;
+        for (std::size_t i = 0; i < weights.size(); ++i)
+            sum += weights[i].dot(found.columns[i].displacement.col(static_cast<Eigen::Index>(c)));
+        return sum;
+    };
+    const auto expect = [&](std::size_t c, double expected) {
+        EXPECT_NEAR(slope(c), expected, 1e-8 * std::abs(expected)) << parameters[c].direction.name;
+    };
+    const std::size_t num = history.model.materials[0].parameters.size();
+    for (std::size_t k = 0; k < num; ++k) expect(k, gradient.parameters[0][k]);
+    for (std::size_t k = 0; k < 2; ++k) {
+        expect(num + 2 * k, gradient.relaxation[0][k].amplitude);
+        expect(num + 2 * k + 1, gradient.relaxation[0][k].time_s);
+    }
+    double by_scale = 0;  // dJ/dloads . loads
+    for (std::size_t i = 0; i < history.times.size(); ++i) {
+        const SolidLoads& loads = history.times[i].loads;
+        by_scale += gradient.force[i].dot(loads.force) +
+                    gradient.displacement[i].dot(loads.displacement) +
+                    gradient.obstacle_motion[i][0].dot(loads.obstacle_motion[0]);
+    }
+    expect(num + 5, by_scale);
+}
+
+TEST(HistoryColumns, WhatHasNoColumnsIsRefused) {
+    LoadHistory history = plain_history();
+    const SolidModel& model = history.model;
+    EXPECT_THROW(along_parameter(model, 0, 7), Error);
+    EXPECT_THROW(along_parameter(model, 1, 0), Error);
+    EXPECT_THROW(along_amplitude(model, 0, 2), Error);
+    EXPECT_THROW(along_friction(model, 1), Error);
+    HistoryDirection short_of_loads = along_load_scale(history.times);
+    short_of_loads.loads.pop_back();
+    EXPECT_THROW(HistoryColumns(model, history.times, {short_of_loads}), Error);
+
+    HistoryColumns columns(model, history.times, {along_parameter(model, 0, 0)});
+    const SolidAssembly solid(model);
+    const auto states = solve_history(model, history.times, {});
+    EXPECT_THROW(columns.advance(solid, states[0]), Error);  // its tangent is gone
+    history.model.contacts[0].friction = 0;
+    EXPECT_THROW(along_friction(history.model, 0), Error);
+}
+
+}  // namespace
+}  // namespace palpate
