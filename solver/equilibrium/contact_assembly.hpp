@@ -72,6 +72,11 @@ public:
     ContactGradient start_gradient(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda,
                                    const std::vector<Vec3>& slope) const;
 
+    /// Derivatives of what `add_force` adds, limits following the pressure, by the sizes of each
+    /// obstacle (`obstacle_sizes`) at a held u and a held start of the step: [contacts] matrices
+    /// [3 num_nodes, 4], mN/mm.
+    std::vector<Eigen::MatrixXd> shape_forces(const Eigen::VectorXd& u) const;
+
 private:
     struct Point;
     struct Slopes;
