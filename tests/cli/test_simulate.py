@@ -228,6 +228,26 @@ where = {side = "z-max"}
     assert row["bottom_z_mn"] == pytest.approx(-row["plate_z_mn"], rel=1e-6)
 
 
+def test_a_following_pressure_acts_on_the_area_as_it_is(tmp_path):
+    """A box that is pulled by suction gets thinner: nominal stress = kpa (sides' stretch)^2."""
+    load = '[[pressure]]\nkpa = -3\nwhere = {side = "z-max"}\n'
+    stretches = {}
+    for name, more in {"follows": "follows = true\n", "stays": ""}.items():
+        (tmp_path / name).mkdir()
+        out = simulated(tmp_path / name, BOX + MATERIAL + SMOOTH_BOX + load + more)
+        moved = read_arrays(out / "state_0001.vtu")["displacement"]
+        stretches[name] = 1 + moved[:, 2].max() / 5, 1 + moved[:, 0].min() / 4
+        record = json.loads((out / "simulation.json").read_text())["settings"]
+        assert any(item["follows"] == (name == "follows") for item in record["forces"]
+                   if item["kind"] == "pressure")
+    for name, area in {"follows": stretches["follows"][1] ** 2, "stays": 1}.items():
+        stretch, side = stretches[name]
+        stress, expected_side = uniaxial(stretch)
+        assert side == pytest.approx(expected_side, rel=1e-6)
+        assert stress == pytest.approx(3 * area, rel=1e-6)
+    assert stretches["follows"][0] < stretches["stays"][0]
+
+
 def test_a_mesh_of_a_file_gives_the_answer_of_the_grid_it_holds(tmp_path):
     grid = simulated(tmp_path, BOX + MATERIAL + SMOOTH_BOX + TOP)
     (tmp_path / "b").mkdir()

@@ -98,6 +98,7 @@ ForceSettings as_force(ForceSettings force) {
 SurfaceLoadSettings as_pressure(SurfaceLoadSettings load) {
     load.is_pressure = true;
     load.pressure_kpa = needed_number(load.source, "kpa", any_number);
+    load.follows = load.source.yes_or_no("follows").value_or(false);
     return load;
 }
 
@@ -157,7 +158,7 @@ void read_loads(const SettingsTable& document, SimulationSettings& settings) {
     read_all("fix", {"components"}, as_fix, settings.supports);
     read_all("move", {"x_mm", "y_mm", "z_mm"}, as_move, settings.supports);
     read_all("force", {"total_mn", "nodal_mn"}, as_force, settings.forces);
-    read_all("pressure", {"kpa"}, as_pressure, settings.surface_loads);
+    read_all("pressure", {"kpa", "follows"}, as_pressure, settings.surface_loads);
     read_all("traction", {"kpa"}, as_traction, settings.surface_loads);
     read_all("obstacle",
              {"shape", "place_mm", "direction", "radius_mm", "hollow", "friction",

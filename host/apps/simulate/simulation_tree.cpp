@@ -69,6 +69,7 @@ ResultTree forces_part(const SimulationResult& result) {
         list.add(ResultTree::of(load.name, {{"name", load.name},
                                             {"kind", load.is_pressure ? "pressure" : "traction"},
                                             {"pressure_kpa", load.pressure_kpa},
+                                            {"follows", load.follows},
                                             {"traction_kpa", components(load.traction_kpa)},
                                             {"column", column_name(result, load.column)}}));
     return list;

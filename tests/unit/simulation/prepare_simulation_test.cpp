@@ -157,6 +157,21 @@ TEST(PrepareSimulation, AnObstacleIsAHundredTimesAsStiffAsTheStiffestElementItMa
         {"line 8", "[[obstacle]]", "normal"});
 }
 
+TEST(PrepareSimulation, AFollowingPressureIsALoadOfTheModelThatItsColumnScales) {
+    const SimulationSettings settings = parsed(
+        base +
+        "[[pressure]]\nwhere = {side = \"z-max\"}\nkpa = 2\n"
+        "[[pressure]]\nwhere = {side = \"x-max\"}\nkpa = -3\nfollows = true\ncolumn = \"suck\"\n"
+        "[history]\ntime_s = [1, 2]\nsuck = [0.5, -1]\n");
+    const PreparedSimulation p = prepare_simulation(settings);
+
+    ASSERT_EQ(p.model.pressures.size(), 1u);
+    EXPECT_EQ(p.model.pressures[0].faces.size(), 4u);
+    EXPECT_EQ(p.loads_at(settings, 0).pressure_kpa, (std::vector<double>{-1.5}));
+    EXPECT_EQ(p.loads_at(settings, 1).pressure_kpa, (std::vector<double>{3}));
+    EXPECT_NEAR(p.loads_at(settings, 1).force.sum(), -32, 1e-12);
+}
+
 TEST(PrepareSimulation, APlaneMeshIsNotPulledOutOfItsPlane) {
     const std::string plane =
         "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [1, 1]"
