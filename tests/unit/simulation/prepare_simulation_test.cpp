@@ -172,6 +172,22 @@ TEST(PrepareSimulation, AFollowingPressureIsALoadOfTheModelThatItsColumnScales) 
     EXPECT_NEAR(p.loads_at(settings, 1).force.sum(), -32, 1e-12);
 }
 
+TEST(PrepareSimulation, AboutAnAxisATubeStandsOnIt) {
+    const auto with_tube = [](const std::string& place, const std::string& more) {
+        return "[mesh]\nformulation = \"axisymmetric\"\nrectangle = {size_mm = [4, 2], divisions = "
+               "[4, 2]}\n" +
+               one_material +
+               "[[obstacle]]\nshape = \"tube\"\ndirection = [0, -1]\nhole_radius_mm = 1\n"
+               "edge_radius_mm = 0.2\nouter_radius_mm = 3\nplace_mm = " +
+               place + "\n" + more;
+    };
+    EXPECT_EQ(prepared(with_tube("[0, 2]", "motion_mm = [0, -1]\n")).model.contacts.size(), 1u);
+    expect_refused([&] { prepared(with_tube("[1, 2]", "")); },
+                   {"line 8", "[[obstacle]]", "tube", "x = 0"});
+    expect_refused([&] { prepared(with_tube("[0, 2]", "motion_mm = [1, -1]\n")); },
+                   {"line 8", "[[obstacle]]", "motion_mm needs x = 0"});
+}
+
 TEST(PrepareSimulation, APlaneMeshIsNotPulledOutOfItsPlane) {
     const std::string plane =
         "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [1, 1]"
