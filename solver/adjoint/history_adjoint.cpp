@@ -97,6 +97,7 @@ void HistoryAdjoint::enter_step(std::size_t i) {
                        states_[i - 1].contact.friction});
     contact.place(times_[i].loads.obstacle_motion);
     contact.renew_limits(states_[i].displacement);
+    tangent_.pressure().set(times_[i].loads.pressure_kpa);
 }
 
 void HistoryAdjoint::step_back(std::size_t i, const Eigen::VectorXd& dj_du,
@@ -120,6 +121,7 @@ void HistoryAdjoint::step_back(std::size_t i, const Eigen::VectorXd& dj_du,
 
     // dJ/dforce = lambda; dJ/du_p = (total - K^T lambda)_p at prescribed dofs (method.md, 9.12)
     gradient.force[i] = lambda;
+    gradient.pressure_kpa[i] = tangent_.pressure().products(u, lambda);
     gradient.displacement[i] = total - tangent_.times(lambda);
     for (Eigen::Index d = 0; d < u.size(); ++d)
         if (!solid_.model().prescribed[d]) gradient.displacement[i][d] = 0;
@@ -152,6 +154,7 @@ HistoryGradient HistoryAdjoint::run(const std::vector<Eigen::VectorXd>& dj_du,
     gradient.force.resize(times_.size());
     gradient.displacement.resize(times_.size());
     gradient.obstacle_motion.resize(times_.size());
+    gradient.pressure_kpa.resize(times_.size());
     for (std::size_t i = times_.size(); i-- > 0;) {
         step_back(i, dj_du[i], gradient);
         report_progress(progress, "gradient", 1 - static_cast<double>(i) / times_.size(),

@@ -18,12 +18,13 @@ struct HistoryGradient {
     std::vector<Eigen::VectorXd> force;              ///< [times][3 num_nodes] per mN
     std::vector<Eigen::VectorXd> displacement;       ///< [times][3 num_nodes] per mm, total
     std::vector<std::vector<Vec3>> obstacle_motion;  ///< [times][contacts] per mm
+    std::vector<std::vector<double>> pressure_kpa;   ///< [times][model.pressures] per kPa
 };
 
 /// The discrete adjoint of `solve_history`, exact for its time steps: backwards in time, one solve
 /// with each step's tangent, what relaxation and friction remember handed from step to step
-/// (Michaleris, Tortorelli and Vidal 1994). Friction's limits follow the pressure, so those
-/// tangents are not symmetric.
+/// (Michaleris, Tortorelli and Vidal 1994). Friction's limits follow the pressure and
+/// following pressures the surface, so those tangents are not symmetric.
 ///   times   as given to `solve_history`
 ///   states  what it returned, all converged
 ///   dj_du   [times][3 num_nodes] partial derivatives of J; an empty one is zero

@@ -30,6 +30,7 @@ SolidGradient solid_gradient(const SolidAssembly& solid, const Equilibrium& foun
     for (auto& material : gradient.parameters)
         for (double& value : material) value = -value;
     gradient.force = lambda;
+    gradient.pressure_kpa = tangent.pressure().products(u, lambda);
     gradient.displacement = dj_du - tangent.times(lambda);
     for (Eigen::Index d = 0; d < u.size(); ++d)
         if (!solid.model().prescribed[d]) gradient.displacement[d] = 0;

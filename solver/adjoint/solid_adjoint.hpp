@@ -15,6 +15,7 @@ struct SolidGradient {
     std::vector<std::vector<double>> parameters;
     Eigen::VectorXd force;         ///< [3 num_nodes] per mN at free dofs, 0 elsewhere
     Eigen::VectorXd displacement;  ///< [3 num_nodes] per mm at prescribed dofs (total), 0 elsewhere
+    std::vector<double> pressure_kpa;  ///< [model.pressures] per kPa of those that follow
 };
 
 inline constexpr const char* no_gradient_where_unstable =
@@ -27,7 +28,8 @@ void check_gradient_input(const SolidAssembly& solid, const Equilibrium& found, 
 
 /// One solve with the tangent at an equilibrium u, K_ff^T lambda = (dJ/du)_f, lambda = 0 on
 /// prescribed dofs; then
-///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - (K^T lambda)_p.
+///   dJ/dp = -lambda . df/dp,  dJ/dforce = lambda,  dJ/du_p = (dJ/du)_p - (K^T lambda)_p,
+/// and for a following pressure P with forces P c(u)  dJ/dP = lambda . c.
 ///   found   from `solve_equilibrium` with `solid`; its factor is used again
 ///   dj_du   [3 num_nodes] partial derivative of J
 /// Throws Error(invalid_argument) for a wrong size, Error(unsupported) for a state of

@@ -9,10 +9,26 @@
 #include <unsupported/Eigen/AutoDiff>
 
 #include "solver/base/error.hpp"
+#include "solver/equilibrium/add_block.hpp"
 #include "solver/equilibrium/contact_traction.hpp"
 
 namespace palpate {
 namespace {
+
+/// By the sizes of an obstacle.
+using SizeDual = Eigen::AutoDiffScalar<Eigen::Vector4d>;
+
+ObstacleSizes<SizeDual> size_variables(const Obstacle& obstacle) {
+    ObstacleSizes<SizeDual> sizes(obstacle);
+    SizeDual* list[] = {&sizes.radius, &sizes.edge_radius, &sizes.outer_radius,
+                        &sizes.outer_edge_radius};
+    for (int k = 0; k < 4; ++k) *list[k] = SizeDual(list[k]->value(), 4, k);
+    return sizes;
+}
+
+Triple<SizeDual> constants(const Vec3& v) {
+    return {SizeDual(v[0]), SizeDual(v[1]), SizeDual(v[2])};
+}
 
 /// By y, y_before and friction_before.
 using Dual = Eigen::AutoDiffScalar<Eigen::Matrix<double, 9, 1>>;
@@ -178,18 +194,11 @@ ContactAssembly::Slopes ContactAssembly::slopes_at(const Point& point,
 void ContactAssembly::add_stiffness(const Point& point, const Mat3& stiffness,
                                     BlockMatrix& matrix) const {
     const Face& face = *point.face;
-    for (std::size_t a = 0; a < face.size(); ++a) {
-        const auto row = matrix.graph.items.begin() + matrix.graph.offsets[face[a]];
-        const auto end = matrix.graph.items.begin() + matrix.graph.offsets[face[a] + 1];
-        for (std::size_t b = 0; b < face.size(); ++b) {
-            const auto at = std::lower_bound(row, end, face[b]);
-            double* block = matrix.block(static_cast<Index>(at - matrix.graph.items.begin()));
+    for (std::size_t a = 0; a < face.size(); ++a)
+        for (std::size_t b = 0; b < face.size(); ++b)
             // K_ab += A N_a N_b (-d traction / dy)
-            const double weight = point.area * point.value[a] * point.value[b];
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) block[3 * i + j] += weight * stiffness(i, j);
-        }
-    }
+            add_block(matrix, face[a], face[b],
+                      point.area * point.value[a] * point.value[b] * stiffness);
 }
 
 void ContactAssembly::add_tangent(const Eigen::VectorXd& u, BlockMatrix& matrix) const {
@@ -350,6 +359,27 @@ ContactGradient ContactAssembly::start_gradient(const Eigen::VectorXd& u,
                 point.value[a] * total.segment<3>(3);
     }
     return sum;
+}
+
+std::vector<Eigen::MatrixXd> ContactAssembly::shape_forces(const Eigen::VectorXd& u) const {
+    std::vector<Eigen::MatrixXd> forces(model_.contacts.size(), Eigen::MatrixXd::Zero(u.size(), 4));
+    for (const Point& point : points_) {
+        const Contact& contact = model_.contacts[point.contact];
+        const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
+        const auto traction = contact_traction(contact, size_variables(contact.obstacle),
+                                               constants(y), constants(point.place_before),
+                                               constants(point.friction_before), std::nullopt);
+        Eigen::Matrix<double, 3, 4> by_size;
+        for (int i = 0; i < 3; ++i)
+            by_size.row(i) =
+                (traction.pressure[i].derivatives() + traction.friction[i].derivatives())
+                    .transpose();
+        for (std::size_t a = 0; a < point.face->size(); ++a)
+            // df_a/ds = -A N_a d(p n + t)/ds (method.md, 9.9)
+            forces[point.contact].middleRows<3>(3 * (*point.face)[a]) -=
+                point.area * point.value[a] * by_size;
+    }
+    return forces;
 }
 
 }  // namespace palpate

@@ -96,6 +96,10 @@ public:
     std::vector<ContactStateChange> state_changes(const Eigen::VectorXd& u,
                                                   const Eigen::MatrixXd& du,
                                                   const std::vector<ContactChange>& changes) const;
+    /// Derivatives of what `add_force` adds, limits following the pressure, by the sizes of each
+    /// obstacle (`obstacle_sizes`) at a held u and a held start of the step: [contacts] matrices
+    /// [3 num_nodes, 4], mN/mm.
+    std::vector<Eigen::MatrixXd> shape_forces(const Eigen::VectorXd& u) const;
 
 private:
     struct Point;

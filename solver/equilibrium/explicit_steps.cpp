@@ -10,6 +10,7 @@
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/contact_assembly.hpp"
 #include "solver/equilibrium/lumped_mass.hpp"
+#include "solver/equilibrium/pressure_assembly.hpp"
 #include "solver/equilibrium/viscous_history.hpp"
 #include "solver/model/block_product.hpp"
 
@@ -38,6 +39,7 @@ public:
           observer_(observer),
           solid_(model),
           contact_(solid_.model()),
+          pressure_(solid_.model()),
           history_(solid_.model()),
           matrix_(solid_.make_matrix()),
           mass_(lumped_mass(model.mesh, options.density_kg_per_m3)),
@@ -61,6 +63,7 @@ private:
     const MotionObserver& observer_;
     SolidAssembly solid_;
     ContactAssembly contact_;
+    PressureAssembly pressure_;
     ViscousHistory history_;
     BlockMatrix matrix_;
     Eigen::VectorXd mass_;
@@ -73,10 +76,12 @@ private:
 SolidLoads ExplicitSolve::loads_at(std::size_t i, double part) const {
     SolidLoads loads = times_[i].loads;
     loads.obstacle_motion.resize(motion_.size(), Vec3::Zero());
+    loads.pressure_kpa.resize(solid_.model().pressures.size(), 0.0);
     if (i == 0) {
         loads.displacement *= part;
         loads.force *= part;
         for (Vec3& by : loads.obstacle_motion) by *= part;
+        for (double& kpa : loads.pressure_kpa) kpa *= part;
         return loads;
     }
     const SolidLoads& before = times_[i - 1].loads;
@@ -87,6 +92,10 @@ SolidLoads ExplicitSolve::loads_at(std::size_t i, double part) const {
         const Vec3 from =
             before.obstacle_motion.empty() ? Vec3(Vec3::Zero()) : before.obstacle_motion[c];
         loads.obstacle_motion[c] += (1 - part) * (from - loads.obstacle_motion[c]);
+    }
+    for (std::size_t k = 0; k < loads.pressure_kpa.size(); ++k) {
+        const double from = before.pressure_kpa.empty() ? 0 : before.pressure_kpa[k];
+        loads.pressure_kpa[k] += (1 - part) * (from - loads.pressure_kpa[k]);
     }
     return loads;
 }
@@ -105,6 +114,7 @@ double ExplicitSolve::stable_step() {
     constexpr double margin = 1.05;  // power iteration ends below the eigenvalue
     // Power iteration with m^-1 K: omega^2 = |m^-1 K x| of the limit, |x| = 1.
     solid_.tangent(u_, matrix_);
+    pressure_.add_symmetric(u_, matrix_);
     Eigen::VectorXd x(u_.size());
     for (Eigen::Index d = 0; d < x.size(); ++d)
         x[d] = solid_.model().prescribed[d] || mass_[d / 3] == 0 ? 0 : std::cos(2.0 * d);
@@ -140,7 +150,9 @@ bool ExplicitSolve::advance(double dt_s, const SolidLoads& loads) {
     inner_ = solid_.internal_force(u_);
     if (!inner_.is_valid) return false;
     if (has_relaxation(solid_.model())) history_.end_step(dt_s, solid_, u_);
-    if (contact_.is_empty()) return true;
+    pressure_.set(loads.pressure_kpa);
+    pressure_.add_force(u_, inner_);
+    if (contact_.is_empty()) return inner_.is_valid;
     // Slip counts from where this step began, with the friction then (method.md, 9.8).
     contact_.begin({before, motion_, friction_});
     contact_.place(loads.obstacle_motion);

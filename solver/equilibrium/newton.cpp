@@ -14,7 +14,9 @@ namespace {
 
 /// A step may raise the energy by rounding, as a part of the work that it stands for.
 constexpr double rounding = 1e-10;
-constexpr double shortest_length = 1.0 / 1024;
+/// A body that does not touch yet has a tangent without the obstacle: its first step goes k d / p
+/// too far, d what it would move by, p the pressure that stops it: some 1e3 to 1e4, at any load.
+constexpr double shortest_length = 1.0 / 65536;
 constexpr double largest_shift = 20;
 constexpr int most_friction_rounds = 200;
 constexpr double near_enough = 1e-2;  // relative residual from which old factors are tried
@@ -52,7 +54,10 @@ private:
     };
 
     ContactAssembly& contact() const { return tangent_->contact(); }
-    void place_obstacles(double load) const;
+    void set_surroundings(double load) const;
+    double path_work(const State& from, const State& to) const {
+        return tangent_->pressure().work(from.u, to.u);
+    }
     State state_at(const Eigen::VectorXd& u, double load) const;
     /// At a part of the way from the start to the full load.
     double force_at(Eigen::Index dof, double load) const {
@@ -83,17 +88,23 @@ private:
     std::vector<NewtonRecord> records_;
 };
 
-void EquilibriumSolve::place_obstacles(double load) const {
+/// Obstacles and following pressures, on their way from the start to the full load.
+void EquilibriumSolve::set_surroundings(double load) const {
     std::vector<Vec3> motion = start_.obstacle_motion;
     for (std::size_t c = 0; c < motion.size(); ++c)
         // a + load (b - a): linear from the start of the path to its end
         motion[c] += load * (loads_.obstacle_motion[c] - motion[c]);
     contact().place(motion);
+    std::vector<double> pressure = start_.pressure_kpa;
+    for (std::size_t k = 0; k < pressure.size(); ++k)
+        pressure[k] += load * (loads_.pressure_kpa[k] - pressure[k]);
+    tangent_->pressure().set(pressure);
 }
 
 EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, double load) const {
     State state{u, solid_.internal_force(u), 0, Eigen::VectorXd::Zero(u.size())};
     contact().add_force(u, state.inner);
+    tangent_->pressure().add_force(u, state.inner);
     // Pi = W + contact energy - force . u,  residual = -dPi/du = force - f(u) (method.md, 9.5)
     state.total_energy = state.inner.energy;
     if (!state.inner.is_valid) return state;
@@ -109,14 +120,14 @@ EquilibriumSolve::State EquilibriumSolve::state_at(const Eigen::VectorXd& u, dou
 }
 
 double EquilibriumSolve::relative_residual(const State& state, double load) const {
-    // |force - f| over the largest of |f|, |contact forces| and |force|; zero where it is no more
-    // than what rounding of u makes of forces.
+    // |force - f| over the largest of |f|, |contact forces|, |following pressures| and |force|;
+    // zero where it is no more than what rounding of u makes of forces.
     if (state.residual.norm() <= tangent_->force_of_rounding(state.u)) return 0;
     double applied = 0;
     for (Eigen::Index d = 0; d < state.u.size(); ++d)
         if (tangent_->free().number[d] >= 0) applied += std::pow(force_at(d, load), 2);
-    return state.residual.norm() /
-           std::max({state.inner.force.norm(), state.inner.contact_force, std::sqrt(applied)});
+    return state.residual.norm() / std::max({state.inner.force.norm(), state.inner.contact_force,
+                                             state.inner.pressure_force, std::sqrt(applied)});
 }
 
 /// The change that the tangent at a state makes of r and of what it holds at prescribed dofs; the
@@ -162,10 +173,12 @@ double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
         State next = state_at(state.u + length * change, load);
         if (!next.inner.is_valid) continue;
         // Pi(u + a du) <= Pi(u) + 1e-4 a dPi/du . du + rounding (Armijo; method.md, 9.5), or a
-        // residual of half the size: near an equilibrium differences of Pi are rounding.
+        // residual of half the size: near an equilibrium differences of Pi are rounding. Following
+        // pressures take off the work that they do on the way (method.md, 9.19).
         const double allowed = rounding * (std::abs(slope) + std::abs(state.total_energy));
         const bool has_small_residual = next.residual.norm() <= 0.5 * state.residual.norm();
-        if (next.total_energy > state.total_energy + 1e-4 * length * slope + allowed &&
+        if (next.total_energy - path_work(state, next) >
+                state.total_energy + 1e-4 * length * slope + allowed &&
             !has_small_residual)
             continue;
         state = std::move(next);
@@ -189,7 +202,7 @@ bool EquilibriumSolve::take_chord_step(double load, State& state) {
 }
 
 bool EquilibriumSolve::reach(double load, State& state) {
-    place_obstacles(load);
+    set_surroundings(load);
     if (!advance_walls(load, state) || !settle(load, state)) return false;
     return !contact().has_friction() || settle_friction(load, state);
 }
@@ -256,6 +269,7 @@ bool EquilibriumSolve::settle(double load, State& state) {
 Equilibrium EquilibriumSolve::run() {
     Equilibrium result;
     contact().begin({start_.displacement, start_.obstacle_motion, start_.friction});
+    set_surroundings(0);
     State reached = state_at(start_.displacement, 0);
     double step = options_.first_step;
     while (result.load < 1 && step >= options_.smallest_step) {
@@ -277,7 +291,7 @@ Equilibrium EquilibriumSolve::run() {
                                        100 * result.load, failure_);
     result.relative_residual = relative_residual(reached, result.load);
     result.displacement = reached.u;
-    place_obstacles(result.load);
+    set_surroundings(result.load);
     result.contact = contact().state(reached.u);
     result.energy = reached.inner.energy;
     result.reaction = Eigen::VectorXd::Zero(reached.u.size());
@@ -306,6 +320,7 @@ void check_loads(const SolidModel& model, const SolidLoads& loads) {
         if (!by.allFinite())
             throw Error(ErrorCode::invalid_argument,
                         "the motion of an obstacle is not a finite number");
+    check_pressures(model, loads.pressure_kpa);
     if (!loads.displacement.allFinite() || !loads.force.allFinite())
         throw Error(ErrorCode::invalid_argument,
                     "a prescribed displacement or force is not a finite number");
@@ -326,12 +341,15 @@ Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& load
         start.obstacle_motion.size() != solid.model().contacts.size())
         throw Error(ErrorCode::invalid_argument,
                     "the start of a load path needs the motion of every obstacle, or none");
+    check_pressures(solid.model(), start.pressure_kpa);
     EquilibriumStart from = start;
     if (from.displacement.size() == 0) from.displacement.setZero(loads.displacement.size());
     if (from.force.size() == 0) from.force.setZero(loads.force.size());
     SolidLoads to = loads;
     from.obstacle_motion.resize(solid.model().contacts.size(), Vec3::Zero());
     to.obstacle_motion.resize(solid.model().contacts.size(), Vec3::Zero());
+    from.pressure_kpa.resize(solid.model().pressures.size(), 0.0);
+    to.pressure_kpa.resize(solid.model().pressures.size(), 0.0);
     return EquilibriumSolve(solid, to, options, from, progress).run();
 }
 

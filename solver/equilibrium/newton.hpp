@@ -19,6 +19,8 @@ struct SolidLoads {
     Eigen::VectorXd force;         ///< [3 num_nodes] mN, of constant direction
     /// [contacts] mm from where the model has the obstacles; empty: they rest.
     std::vector<Vec3> obstacle_motion = {};
+    /// [model.pressures] kPa, against the outward normal of the deformed surface; empty: none.
+    std::vector<double> pressure_kpa = {};
 };
 
 /// Throws Error(invalid_argument) for sizes that do not fit the model and numbers not finite.
@@ -63,18 +65,20 @@ struct EquilibriumStart {
     Eigen::VectorXd force;                   ///< [3 num_nodes] mN
     std::vector<Vec3> obstacle_motion = {};  ///< [contacts] mm
     std::vector<Vec3> friction = {};         ///< [contact points] kPa, of `ContactState`
+    std::vector<double> pressure_kpa = {};   ///< [model.pressures]
 };
 
 /// Static equilibrium f(u) = force at free dofs, u = displacement at prescribed ones, by Newton's
 /// method on the tangent. The prescribed dofs move first and the others
 /// as the tangent says; then a line search keeps matter from inverting, and the total energy
-/// (stored less the work of the forces) from growing unless that halves the residual. Where the
-/// tangent is not positive definite it is shifted until it is. Friction follows from the slip
-/// between start and end, whatever load steps lie between; its limits are held while forces are
-/// balanced and renewed until both agree. A load step that fails is halved,
-/// one that goes well is followed by a longer one. Not converging is reported in the result, which
-/// then holds the last equilibrium. Throws Error(invalid_argument) for loads of the wrong size or
-/// not finite, and for options out of range.
+/// (stored less the work of the forces) from growing unless that halves the residual. The work of
+/// following pressures is that along the step, so that they need no potential. Where the symmetric
+/// half of the tangent is not positive definite it is shifted until it is. Friction follows from
+/// the slip between start and end, whatever load steps lie between; its limits are held while
+/// forces are balanced and renewed until both agree. A load step that fails is halved, one that
+/// goes well is followed by a longer one. Not converging is reported in the result, which then
+/// holds the last equilibrium. Throws Error(invalid_argument) for loads of the wrong size or not
+/// finite, and for options out of range.
 Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& loads,
                               const EquilibriumOptions& options, const EquilibriumStart& start = {},
                               const ProgressSink& progress = {});

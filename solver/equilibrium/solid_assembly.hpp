@@ -15,10 +15,11 @@ namespace palpate {
 
 /// What a displacement stores and how it pushes back.
 struct InternalForce {
-    double energy = 0;         ///< mN mm; infinite if not valid
-    Eigen::VectorXd force;     ///< [3 num_nodes] mN, dW/du
-    bool is_valid = true;      ///< false where matter is inverted at any point
-    double contact_force = 0;  ///< norm of what obstacles add to `force`, mN
+    double energy = 0;          ///< mN mm; infinite if not valid
+    Eigen::VectorXd force;      ///< [3 num_nodes] mN, dW/du
+    bool is_valid = true;       ///< false where matter is inverted at any point
+    double contact_force = 0;   ///< norm of what obstacles add to `force`, mN
+    double pressure_force = 0;  ///< norm of what following pressures add to `force`, mN
 };
 
 /// Derivatives of a scalar by what a viscous step is made of, displacements held.

@@ -14,6 +14,7 @@ namespace palpate {
 TangentSolve::TangentSolve(const SolidAssembly& solid, const MatrixSolverOptions& options)
     : solid_(solid),
       contact_(solid.model()),
+      pressure_(solid.model()),
       matrix_(solid.make_matrix()),
       free_(number_free_dofs(matrix_.graph, solid.model().prescribed)),
       solver_(make_matrix_solver(
@@ -22,11 +23,15 @@ TangentSolve::TangentSolve(const SolidAssembly& solid, const MatrixSolverOptions
 void TangentSolve::fill_matrix(const Eigen::VectorXd& u) {
     solid_.tangent(u, matrix_);
     contact_.add_tangent(u, matrix_);
+    pressure_.add_symmetric(u, matrix_);
 }
 
 bool TangentSolve::factorise(const Eigen::VectorXd& u, double shift) {
     fill_matrix(u);
     is_factorised_ = solver_->set(matrix_, shift);
+    // A shifted tangent is for a way down, not for a place: its symmetric half will do.
+    is_unsymmetric_ = !pressure_.is_empty() && shift == 0;
+    if (is_unsymmetric_) pressure_.add_antisymmetric(u, false, matrix_);
     return is_factorised_;
 }
 
@@ -36,11 +41,39 @@ bool TangentSolve::solve(const Eigen::VectorXd& r, Eigen::VectorXd& x) const {
     Eigen::VectorXd right = r;
     // K_ff x_f = r_f - K_fp x_p
     if (!x.isZero(0)) right -= times(x);
-    return solver_->solve(right, x);
+    if (!is_unsymmetric_) return solver_->solve(right, x);
+    keep_free(right);
+    Eigen::VectorXd change;
+    // Newton's method squares the error: 1e-8 of it is nothing yet.
+    if (!solve_unsymmetric(right, {.relative_tolerance = 1e-8}, 1e-4, change)) return false;
+    x += change;
+    return true;
 }
 
 Eigen::MatrixXd TangentSolve::times(const Eigen::MatrixXd& x) const {
     return palpate::times(matrix_, x);
+}
+
+void TangentSolve::keep_free(Eigen::Ref<Eigen::MatrixXd> columns) const {
+    for (Eigen::Index d = 0; d < columns.rows(); ++d)
+        if (free_.number[d] < 0) columns.row(d).setZero();
+}
+
+/// x_f = K_ff^-1 r_f by GMRES, with the factor of some symmetric tangent as preconditioner. False
+/// if the relative residual stays above `tolerance`.
+bool TangentSolve::solve_unsymmetric(const Eigen::VectorXd& r, const GmresOptions& options,
+                                     double tolerance, Eigen::VectorXd& x) const {
+    const VectorMap product = [&](const Eigen::VectorXd& from, Eigen::VectorXd& to) {
+        Eigen::MatrixXd columns = times(from);
+        keep_free(columns);
+        to = columns.col(0);
+        return true;
+    };
+    const VectorMap precondition = [&](const Eigen::VectorXd& from, Eigen::VectorXd& to) {
+        return solver_->solve(from, to);
+    };
+    if (free_.count == 0) return true;
+    return flexible_gmres(product, precondition, r, options, x).relative_residual <= tolerance;
 }
 
 /// Iterative refinement with a factor that may be another tangent's, or one with the limits of
@@ -50,12 +83,18 @@ bool TangentSolve::refine(const Eigen::MatrixXd& r, double tolerance,
     constexpr double good_enough = 1e-9;
     const double slowest = contact_.has_friction() ? 0.99 : 0.5;
     const int most_steps = contact_.has_friction() ? 500 : 20;
-    const auto keep_free = [&](Eigen::MatrixXd& left) {
-        for (Eigen::Index d = 0; d < left.rows(); ++d)
-            if (free_.number[d] < 0) left.row(d).setZero();
-    };
     Eigen::MatrixXd left = r;
     keep_free(left);
+    if (!pressure_.is_empty()) {
+        for (Eigen::Index c = 0; c < left.cols(); ++c) {
+            Eigen::VectorXd column = Eigen::VectorXd::Zero(left.rows());
+            if (!solve_unsymmetric(left.col(c), {.relative_tolerance = tolerance},
+                                   std::max(tolerance, good_enough), column))
+                return false;
+            x.col(c) = column;
+        }
+        return true;
+    }
     const Eigen::RowVectorXd right = left.colwise().norm();
     const auto worst = [&] {
         double part = 0;
@@ -105,10 +144,16 @@ bool TangentSolve::with_tangent_at(const Eigen::VectorXd& u, bool is_transposed,
     // The last factor of the search is nearly this tangent's: refining is cheaper than a new one.
     if (is_factorised_ && !contact_.has_friction()) {
         fill_matrix(u);
+        pressure_.add_antisymmetric(u, is_transposed, matrix_);
         if (work()) return true;
     }
     if (!factorise(u)) return false;
-    // The factor has limits held (symmetric), the product not: refinement finds the difference.
+    // The factor has limits held and half a load stiffness (symmetric), the product not: refinement
+    // finds the difference.
+    if (is_unsymmetric_ && is_transposed) {
+        fill_matrix(u);
+        pressure_.add_antisymmetric(u, true, matrix_);
+    }
     contact_.add_limit_rates(u, is_transposed, matrix_);
     return work();
 }

@@ -7,14 +7,19 @@
 #include <string>
 
 #include "solver/equilibrium/contact_assembly.hpp"
+#include "solver/equilibrium/pressure_assembly.hpp"
 #include "solver/equilibrium/solid_assembly.hpp"
+#include "solver/linear/flexible_gmres.hpp"
 #include "solver/linear/free_dofs.hpp"
 #include "solver/linear/matrix_solver.hpp"
 
 namespace palpate {
 
-/// The tangent K of a SolidAssembly and its contacts, to be solved with on the free dofs at one
-/// displacement after the other, by a factor or by conjugate gradients (`MatrixSolver`).
+/// The tangent K of a SolidAssembly, its contacts and its following pressures, to be solved with on
+/// the free dofs at one displacement after the other, by a factor or by conjugate gradients
+/// (`MatrixSolver`). These take symmetric matrices: of a load stiffness they get the symmetric half
+/// and precondition GMRES with the whole (`flexible_gmres`), so that there is no unsymmetric
+/// factor.
 class TangentSolve {
 public:
     /// `solid` must outlive this object.
@@ -23,12 +28,15 @@ public:
     const FreeDofs& free() const { return free_; }
     ContactAssembly& contact() { return contact_; }
     const ContactAssembly& contact() const { return contact_; }
+    PressureAssembly& pressure() { return pressure_; }
+    const PressureAssembly& pressure() const { return pressure_; }
     /// At u [3 num_nodes] mm, with `shift` times the mean of K's diagonal added to it. False if
-    /// that is not positive definite.
+    /// the symmetric half of that is not positive definite. Shifted it is that half alone.
     bool factorise(const Eigen::VectorXd& u, double shift = 0);
     /// x with K_ff^T x_f = r_f, x_p = 0, for the tangent at u to a relative residual of 1e-12, at
-    /// worst 1e-9; here the limits of friction follow the pressure, so K is not symmetric. The last
-    /// factor serves if it is near enough, else a new one is made. False if that fails.
+    /// worst 1e-9; here the limits of friction follow the pressure, so K is not symmetric, nor is
+    /// it where pressures follow a surface with a free edge. The last factor serves if it is near
+    /// enough, else a new one is made. False if that fails.
     bool solve_at(const Eigen::VectorXd& u, const Eigen::VectorXd& r, Eigen::VectorXd& x);
     /// The same for many right-hand sides R [3 num_nodes, columns], side by side; `is_transposed`
     /// false: with K instead of K^T.
@@ -55,6 +63,9 @@ public:
 
 private:
     void fill_matrix(const Eigen::VectorXd& u);
+    void keep_free(Eigen::Ref<Eigen::MatrixXd> columns) const;
+    bool solve_unsymmetric(const Eigen::VectorXd& r, const GmresOptions& options, double tolerance,
+                           Eigen::VectorXd& x) const;
     bool refine(const Eigen::MatrixXd& r, double tolerance, Eigen::Ref<Eigen::MatrixXd> x) const;
     bool refine_columns(const Eigen::MatrixXd& r, double tolerance, Eigen::MatrixXd& x) const;
     /// Calls work() with the tangent at u and the last factor, if that is near enough for it to
@@ -64,10 +75,12 @@ private:
 
     const SolidAssembly& solid_;
     ContactAssembly contact_;
+    PressureAssembly pressure_;
     BlockMatrix matrix_;
     FreeDofs free_;
     std::unique_ptr<MatrixSolver> solver_;
     bool is_factorised_ = false;
+    bool is_unsymmetric_ = false;  ///< `matrix_` has what the last `factorise` left out
 };
 
 }  // namespace palpate

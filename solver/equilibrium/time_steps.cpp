@@ -41,7 +41,7 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
         if (!states.back().converged) break;
         if (has_relaxation(model)) history.end_step(dt_s, solid, states.back().displacement);
         start = {states.back().displacement, at.loads.force, at.loads.obstacle_motion,
-                 states.back().contact.friction};
+                 states.back().contact.friction, at.loads.pressure_kpa};
         now_s = at.time_s;
     }
     return states;

@@ -43,6 +43,8 @@ void check_model(const SolidModel& model) {
                std::to_string(model.materials.size()) + " regions");
     }
     for (const Contact& contact : model.contacts) check_contact(contact, model.mesh);
+    for (const PressureSurface& surface : model.pressures)
+        check_pressure_surface(surface, model.mesh);
     if (model.prescribed.size() != static_cast<std::size_t>(model.num_dofs())) {
         refuse("the flags of prescribed displacements must be 3 per node");
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solver/model/contact.hpp"
+#include "solver/model/pressure_surface.hpp"
 #include "solver/model/solid_mesh.hpp"
 
 namespace palpate {
@@ -52,13 +53,15 @@ struct SolidModel {
     std::vector<std::uint8_t> prescribed;  ///< [3 num_nodes], 1 where the displacement is given
     VolumeTreatment volume = VolumeTreatment::pointwise;
     std::vector<Contact> contacts = {};
+    std::vector<PressureSurface> pressures = {};  ///< that follow the surface they act on
 
     Index num_dofs() const { return 3 * mesh.num_nodes(); }
 };
 
 /// Throws Error(invalid_argument) naming the first broken rule: those of `check_mesh`, laws and
-/// parameters, regions without material, contacts, the size of `prescribed`, in a plane a third
-/// component that is not prescribed, and a mean volume in plane stress, where the law sets it.
+/// parameters, regions without material, contacts, pressed surfaces, the size of `prescribed`, in a
+/// plane a third component that is not prescribed, and a mean volume in plane stress, where the law
+/// sets it.
 void check_model(const SolidModel& model);
 
 /// Prescribes the third component of every node of a plane mesh, and the distance from the axis of

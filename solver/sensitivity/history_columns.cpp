@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "solver/base/error.hpp"
+#include "solver/equilibrium/pressure_assembly.hpp"
 
 namespace palpate {
 namespace {
@@ -64,8 +65,7 @@ HistoryColumns::Changes HistoryColumns::solid_changes() const {
     Changes changes;
     for (std::size_t c = 0; c < directions_.size(); ++c) {
         // df/dp at a held u: by the laws, by g + sum c_k and by Q (method.md, 9.15)
-        SolidChange change =
-            history_.begin_change(dt_s, history_changes_[c], relaxation_change(c));
+        SolidChange change = history_.begin_change(dt_s, history_changes_[c], relaxation_change(c));
         change.parameters = directions_[c].parameters;
         changes.push_back(std::move(change));
     }
@@ -95,10 +95,21 @@ void HistoryColumns::end_step(const SolidAssembly& solid, const Eigen::VectorXd&
     // dS' by the displacements that follow and by the parameters, then dh_k' (method.md, 9.16)
     auto stress = solid.relaxing_stress_changes(u, columns.displacement, changes);
     for (std::size_t c = 0; c < directions_.size(); ++c)
-        history_changes_[c] =
-            history_.end_change(dt_s, history_changes_[c], after.stress(), std::move(stress[c]),
-                                relaxation_change(c));
+        history_changes_[c] = history_.end_change(dt_s, history_changes_[c], after.stress(),
+                                                  std::move(stress[c]), relaxation_change(c));
     history_ = std::move(after);
+}
+
+/// Of pressures that follow the surface at u, mN.
+Eigen::VectorXd HistoryColumns::following_force(const Eigen::VectorXd& u,
+                                                const std::vector<double>& pressure_kpa) const {
+    InternalForce sum;
+    sum.force.setZero(u.size());
+    if (pressure_kpa.empty()) return sum.force;
+    PressureAssembly pressure(*model_);
+    pressure.set(pressure_kpa);
+    pressure.add_force(u, sum);
+    return -sum.force;
 }
 
 ColumnsAtTime HistoryColumns::advance(const SolidAssembly& solid, const Equilibrium& found) {
@@ -116,7 +127,7 @@ ColumnsAtTime HistoryColumns::advance(const SolidAssembly& solid, const Equilibr
     columns.displacement = Eigen::MatrixXd::Zero(u.size(), held.cols());
     for (Eigen::Index c = 0; c < held.cols(); ++c) {
         const SolidLoads loads = loads_change(static_cast<std::size_t>(c), next_);
-        force.col(c) = loads.force;
+        force.col(c) = loads.force + following_force(u, loads.pressure_kpa);
         columns.displacement.col(c) = loads.displacement;  // free dofs are overwritten
     }
     // K_ff du_f = (dforce - df)_f - K_fp du_p (method.md, 9.15)

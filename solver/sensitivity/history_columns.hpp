@@ -54,6 +54,8 @@ private:
     Changes solid_changes() const;
     ContactChanges contact_changes() const;
     SolidLoads loads_change(std::size_t column, std::size_t time) const;
+    Eigen::VectorXd following_force(const Eigen::VectorXd& u,
+                                    const std::vector<double>& pressure_kpa) const;
     void end_step(const SolidAssembly& solid, const Eigen::VectorXd& u, const Changes& changes,
                   const ColumnsAtTime& columns);
 
@@ -62,8 +64,8 @@ private:
     std::vector<HistoryDirection> directions_;
     std::size_t next_ = 0;
     ViscousHistory history_;
-    std::vector<HistoryTensors> history_changes_;  ///< [columns]
-    Eigen::MatrixXd displacement_before_;          ///< [3 num_nodes, columns]
+    std::vector<HistoryTensors> history_changes_;     ///< [columns]
+    Eigen::MatrixXd displacement_before_;             ///< [3 num_nodes, columns]
     std::vector<std::vector<Vec3>> friction_before_;  ///< [columns][contact points]
 };
 

@@ -31,6 +31,13 @@ HistoryDirection along_term(const SolidModel& model, std::size_t material, std::
     return direction;
 }
 
+/// factor (a + sign b); what is not given is zero.
+void combine(std::vector<double>& a, const std::vector<double>& b, double sign, double factor) {
+    a.resize(std::max(a.size(), b.size()), 0.0);
+    for (std::size_t k = 0; k < b.size(); ++k) a[k] += sign * b[k];
+    for (double& one : a) one *= factor;
+}
+
 /// (to - from) / span; motions that are not given are zero.
 SolidLoads slope_between(const SolidLoads* from, const SolidLoads& to, double span_s) {
     SolidLoads slope = to;
@@ -42,6 +49,7 @@ SolidLoads slope_between(const SolidLoads* from, const SolidLoads& to, double sp
         for (std::size_t c = 0; c < from->obstacle_motion.size(); ++c)
             slope.obstacle_motion[c] -= from->obstacle_motion[c];
     }
+    combine(slope.pressure_kpa, from ? from->pressure_kpa : std::vector<double>{}, -1, 1 / span_s);
     slope.displacement /= span_s;
     slope.force /= span_s;
     for (Vec3& by : slope.obstacle_motion) by /= span_s;
@@ -52,6 +60,7 @@ SolidLoads slope_between(const SolidLoads* from, const SolidLoads& to, double sp
 SolidLoads negative_mean(SolidLoads a, const SolidLoads& b) {
     a.displacement = -0.5 * (a.displacement + b.displacement);
     a.force = -0.5 * (a.force + b.force);
+    combine(a.pressure_kpa, b.pressure_kpa, 1, -0.5);
     a.obstacle_motion.resize(std::max(a.obstacle_motion.size(), b.obstacle_motion.size()),
                              Vec3::Zero());
     for (std::size_t c = 0; c < b.obstacle_motion.size(); ++c)
@@ -68,8 +77,8 @@ HistoryDirection along_parameter(const SolidModel& model, std::size_t material,
     check_number("parameter", parameter, model.materials[material].parameters.size());
     HistoryDirection direction;
     direction.name = fmt::format(
-        "{} of material {}",
-        material_law(model.materials[material].law).parameters[parameter].name, material);
+        "{} of material {}", material_law(model.materials[material].law).parameters[parameter].name,
+        material);
     for (const SolidMaterial& of : model.materials)
         direction.parameters.emplace_back(of.parameters.size(), 0.0);
     direction.parameters[material][parameter] = 1;

@@ -98,6 +98,21 @@ TEST_P(EquilibriumContract, NearlyIncompressibleMatterOfMeanVolume) {
     expect_same(between_plates(model, Vec3(0, 0, -0.1)), "nu 0.4999");
 }
 
+// Conjugate gradients see the symmetric half of its tangent and precondition the whole.
+TEST_P(EquilibriumContract, APressureThatFollowsASurfaceWithAFreeEdge) {
+    for (const bool is_quadratic : {false, true}) {
+        LoadedModel work =
+            between_plates(solid_model(box_of(is_quadratic), solid_materials()[1]), Vec3::Zero());
+        const SolidMesh& mesh = work.model.mesh;
+        for (Index n = 0; n < mesh.num_nodes(); ++n)
+            if (mesh.nodes[n].z() > 1) std::fill_n(&work.model.prescribed[3 * n], 3, 0);
+        work.model.pressures = {
+            {boundary_faces(mesh, [&](Index n) { return mesh.nodes[n].x() > 2 - 1e-9; })}};
+        work.loads.pressure_kpa = {1};
+        expect_same(work, is_quadratic ? "tet10" : "tet4");
+    }
+}
+
 // Dead loads of a third of the shear modulus and more, from where Newton alone loses its way.
 TEST_P(EquilibriumContract, ALargePressureIsReachedThroughTangentsThatAreNotDefinite) {
     for (const double pressure : {5.0, 30.0}) {

@@ -6,11 +6,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace palpate {
 namespace {
 
 constexpr double tallest_body = 330;  ///< SVG units
+
+/// The half of a tube's or punch's outline on one side of its axis, in its own plane: (distance
+/// from the axis, height over the end), from far back to far back, of a punch from its centre.
+std::vector<Eigen::Vector2d> outline_of(const Obstacle& obstacle, double far_mm) {
+    constexpr int pieces = 8;
+    std::vector<Eigen::Vector2d> line;
+    const auto add_arc = [&](double centre, double radius, double from, double to) {
+        for (int k = 0; k <= pieces; ++k) {
+            const double angle = from + (to - from) * k / pieces;
+            line.emplace_back(centre + radius * std::cos(angle), radius * (std::sin(angle) - 1));
+        }
+    };
+    constexpr double right = 0, up = std::numbers::pi / 2, left = std::numbers::pi;
+    if (obstacle.shape == ObstacleShape::punch) {
+        const double edge = obstacle.edge_radius_mm, side = obstacle.radius_mm;
+        line.emplace_back(0, 0);
+        add_arc(side - edge, edge, up, right);
+        line.emplace_back(side, -far_mm);
+        return line;
+    }
+    const double edge = obstacle.edge_radius_mm, outer_edge = obstacle.outer_edge_radius_mm;
+    line.emplace_back(obstacle.radius_mm, -far_mm);
+    add_arc(obstacle.radius_mm + edge, edge, left, up);
+    add_arc(obstacle.outer_radius_mm - outer_edge, outer_edge, up, right);
+    line.emplace_back(obstacle.outer_radius_mm, -far_mm);
+    return line;
+}
 
 }  // namespace
 
@@ -52,7 +80,8 @@ void PictureFrame::make_room(const std::vector<Obstacle>& obstacles, Place& low,
     const Place room = most_room * (high - low);
     const Place lowest = low - room, highest = high + room;
     for (const Obstacle& obstacle : obstacles) {
-        if (obstacle.shape == ObstacleShape::plane || obstacle.is_hollow) continue;
+        const bool has_end = obstacle.shape == ObstacleShape::plane || has_edge(obstacle.shape);
+        if (has_end || obstacle.is_hollow) continue;
         const Place at = on_paper(obstacle.place), reach = Place::Constant(obstacle.radius_mm);
         low = low.cwiseMin((at - reach).cwiseMax(lowest));
         high = high.cwiseMax((at + reach).cwiseMin(highest));
@@ -71,6 +100,21 @@ std::string PictureFrame::circle(const Vec3& centre, double radius_mm) const {
         point(centre), -radius, radius, 2 * radius, -2 * radius);
 }
 
+std::string PictureFrame::outline(const Obstacle& obstacle, double far_mm) const {
+    const Vec3 along = obstacle.direction.normalized();
+    const Vec3 across = Vec3::UnitZ().cross(along);
+    std::string path;
+    for (const double side : {1.0, -1.0}) {
+        char step = 'M';
+        for (const Eigen::Vector2d& at : outline_of(obstacle, far_mm)) {
+            const Vec3 place = obstacle.place + side * at.x() * across + at.y() * along;
+            path += step + point(place);
+            step = 'L';
+        }
+    }
+    return path;
+}
+
 std::string PictureFrame::outlines(const std::vector<Obstacle>& obstacles, double side) const {
     constexpr double far_mm = 1e4;
     const auto mirrored = [&](const Vec3& v) { return Vec3(side * v.x(), v.y(), v.z()); };
@@ -80,6 +124,9 @@ std::string PictureFrame::outlines(const std::vector<Obstacle>& obstacles, doubl
         const bool is_ball = obstacle.shape == ObstacleShape::sphere;
         if (is_ball || (is_plane && obstacle.shape == ObstacleShape::cylinder)) {
             path += circle(mirrored(obstacle.place), obstacle.radius_mm);
+        } else if (is_plane && has_edge(obstacle.shape)) {
+            // It is drawn on both sides of its axis, which is that of the mesh if there is one.
+            if (side > 0) path += outline(obstacle, far_mm);
         } else if (is_plane) {
             const Vec3 along = Vec3::UnitZ().cross(obstacle.direction).normalized() * far_mm;
             path += fmt::format("M{}L{}", point(mirrored(obstacle.place - along)),

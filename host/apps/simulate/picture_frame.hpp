@@ -41,6 +41,7 @@ private:
     using Place = Eigen::Vector2d;
     Place on_paper(const Vec3& place) const;
     void make_room(const std::vector<Obstacle>& obstacles, Place& low, Place& high) const;
+    std::string outline(const Obstacle& obstacle, double far_mm) const;
     std::string circle(const Vec3& centre, double radius_mm) const;
 
     PictureView view_;

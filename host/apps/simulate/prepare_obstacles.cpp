@@ -66,6 +66,10 @@ Contact contact_of(const ObstacleSettings& settings, const SelectableMesh& in,
     contact.slip_stiffness_kpa_per_mm =
         settings.slip_stiffness_kpa_per_mm.value_or(contact.stiffness_kpa_per_mm);
     contact.friction = settings.friction;
+    const bool leaves_axis = has_edge(contact.obstacle.shape) && settings.motion_mm.x() != 0 &&
+                             in.mesh.formulation == Formulation::axisymmetric;
+    if (leaves_axis)
+        settings.source.fail("about an axis a tube or punch moves along it: motion_mm needs x = 0");
     try {
         check_contact(contact, in.mesh);
     } catch (const Error& error) {

@@ -17,8 +17,8 @@ namespace {
 /// Collects loads column by column.
 class LoadParts {
 public:
-    LoadParts(Index num_dofs, std::size_t num_contacts)
-        : num_dofs_(num_dofs), num_contacts_(num_contacts) {}
+    LoadParts(Index num_dofs, std::size_t num_contacts, std::size_t num_pressures)
+        : num_dofs_(num_dofs), num_contacts_(num_contacts), num_pressures_(num_pressures) {}
 
     SolidLoads& of(const std::optional<std::size_t>& column) {
         for (LoadPart& part : parts_)
@@ -27,6 +27,7 @@ public:
         none.displacement.setZero(num_dofs_);
         none.force.setZero(num_dofs_);
         none.obstacle_motion.assign(num_contacts_, Vec3::Zero());
+        none.pressure_kpa.assign(num_pressures_, 0.0);
         parts_.push_back({column, none});
         return parts_.back().full;
     }
@@ -34,7 +35,7 @@ public:
 
 private:
     Index num_dofs_;
-    std::size_t num_contacts_;
+    std::size_t num_contacts_, num_pressures_;
     std::vector<LoadPart> parts_;
 };
 
@@ -94,6 +95,17 @@ void add_force(const ForceSettings& force, const SelectableMesh& in, LoadParts& 
             parts.of(force.column).force.segment<3>(3 * static_cast<Eigen::Index>(n)) += each;
 }
 
+std::size_t count_following(const std::vector<SurfaceLoadSettings>& loads) {
+    return static_cast<std::size_t>(std::count_if(
+        loads.begin(), loads.end(), [](const SurfaceLoadSettings& load) { return load.follows; }));
+}
+
+void add_following_pressure(const SurfaceLoadSettings& load, const SelectableMesh& in,
+                            SolidModel& model, LoadParts& parts) {
+    parts.of(load.column).pressure_kpa[model.pressures.size()] = load.pressure_kpa;
+    model.pressures.push_back({selected_faces(*load.where, in)});
+}
+
 void add_surface_load(const SurfaceLoadSettings& load, const SelectableMesh& in, LoadParts& parts) {
     refuse_leaving_plane(load, load.traction_kpa.z(), in.mesh.formulation);
     parts.of(load.column).force += traction_forces(
@@ -120,6 +132,7 @@ SolidLoads PreparedSimulation::loads_at(const SimulationSettings& settings,
     loads.displacement.setZero(model.num_dofs());
     loads.force.setZero(model.num_dofs());
     loads.obstacle_motion.assign(model.contacts.size(), Vec3::Zero());
+    loads.pressure_kpa.assign(model.pressures.size(), 0.0);
     for (const LoadPart& part : parts) {
         double factor = is_static ? time_s[step] / time_s.back() : 1;
         if (part.column) factor = settings.history->factors[step][*part.column];
@@ -127,6 +140,8 @@ SolidLoads PreparedSimulation::loads_at(const SimulationSettings& settings,
         loads.force += factor * part.full.force;
         for (std::size_t k = 0; k < loads.obstacle_motion.size(); ++k)
             loads.obstacle_motion[k] += factor * part.full.obstacle_motion[k];
+        for (std::size_t k = 0; k < loads.pressure_kpa.size(); ++k)
+            loads.pressure_kpa[k] += factor * part.full.pressure_kpa[k];
     }
     return loads;
 }
@@ -143,7 +158,8 @@ PreparedSimulation prepare_simulation(const SimulationSettings& settings) {
     model.prescribed.assign(static_cast<std::size_t>(model.num_dofs()), 0);
 
     const SelectableMesh in{model.mesh, file.point_scalars};
-    LoadParts parts(model.num_dofs(), settings.obstacles.size());
+    LoadParts parts(model.num_dofs(), settings.obstacles.size(),
+                    count_following(settings.surface_loads));
     std::vector<int> owner(model.prescribed.size(), -1);
     for (const SupportSettings& support : settings.supports) {
         refuse_leaving_plane(support, support.displacement_mm[2].value_or(0),
@@ -153,7 +169,10 @@ PreparedSimulation prepare_simulation(const SimulationSettings& settings) {
     }
     for (const ForceSettings& force : settings.forces) add_force(force, in, parts);
     for (const SurfaceLoadSettings& load : settings.surface_loads)
-        add_surface_load(load, in, parts);
+        if (load.follows)
+            add_following_pressure(load, in, model, parts);
+        else
+            add_surface_load(load, in, parts);
     for (std::size_t k = 0; k < settings.obstacles.size(); ++k) {
         const ObstacleSettings& obstacle = settings.obstacles[k];
         model.contacts.push_back(contact_of(obstacle, in, model.materials));

@@ -98,6 +98,7 @@ ForceSettings as_force(ForceSettings force) {
 SurfaceLoadSettings as_pressure(SurfaceLoadSettings load) {
     load.is_pressure = true;
     load.pressure_kpa = needed_number(load.source, "kpa", any_number);
+    load.follows = load.source.yes_or_no("follows").value_or(false);
     return load;
 }
 
@@ -106,20 +107,67 @@ SurfaceLoadSettings as_traction(SurfaceLoadSettings load) {
     return load;
 }
 
+using Shapes = std::vector<ObstacleShape>;
+
+/// What some shapes have and others have not.
+const std::vector<std::pair<std::string_view, Shapes>>& keys_of_shapes() {
+    using enum ObstacleShape;
+    static const std::vector<std::pair<std::string_view, Shapes>> list{
+        {"radius_mm", {cylinder, sphere, punch}},
+        {"hollow", {cylinder, sphere}},
+        {"hole_radius_mm", {tube}},
+        {"edge_radius_mm", {tube, punch}},
+        {"outer_radius_mm", {tube}},
+        {"outer_edge_radius_mm", {tube}}};
+    return list;
+}
+
+void read_edges(const SettingsTable& table, Obstacle& obstacle) {
+    obstacle.edge_radius_mm = needed_number(table, "edge_radius_mm", positive);
+    if (obstacle.shape == ObstacleShape::punch) {
+        if (obstacle.edge_radius_mm > obstacle.radius_mm)
+            table.refuse(
+                "edge_radius_mm",
+                fmt::format("allowed: at most radius_mm, {:g} mm, or the punch is narrower than "
+                            "its edge",
+                            obstacle.radius_mm));
+        return;
+    }
+    obstacle.outer_radius_mm = needed_number(table, "outer_radius_mm", positive);
+    obstacle.outer_edge_radius_mm =
+        table.number("outer_edge_radius_mm", positive).value_or(obstacle.edge_radius_mm);
+    const double least =
+        obstacle.radius_mm + obstacle.edge_radius_mm + obstacle.outer_edge_radius_mm;
+    if (obstacle.outer_radius_mm < least)
+        table.refuse(
+            "outer_radius_mm",
+            fmt::format("allowed: at least hole_radius_mm and the radii of both edges together, "
+                        "{:g} mm, or the rim is narrower than its edges",
+                        least));
+}
+
+void read_sizes(const SettingsTable& table, Obstacle& obstacle) {
+    for (const auto& [key, shapes] : keys_of_shapes())
+        if (table.has(key) &&
+            std::find(shapes.begin(), shapes.end(), obstacle.shape) == shapes.end())
+            table.refuse(key, fmt::format("a {} has none; remove it", name_of(obstacle.shape)));
+    if (obstacle.shape == ObstacleShape::plane) return;
+    const bool is_tube = obstacle.shape == ObstacleShape::tube;
+    obstacle.radius_mm = needed_number(table, is_tube ? "hole_radius_mm" : "radius_mm", positive);
+    if (has_edge(obstacle.shape)) read_edges(table, obstacle);
+    obstacle.is_hollow = table.yes_or_no("hollow").value_or(false);
+}
+
 ObstacleSettings as_obstacle(ObstacleSettings settings) {
     const SettingsTable& table = settings.source;
-    const auto shape = table.choice("shape", {"plane", "cylinder", "sphere"});
-    if (!shape) table.missing("shape", "\"plane\", \"cylinder\", \"sphere\"");
+    const auto shape = table.choice("shape", {"plane", "cylinder", "sphere", "tube", "punch"});
+    if (!shape) table.missing("shape", "\"plane\", \"cylinder\", \"sphere\", \"tube\", \"punch\"");
     Obstacle& obstacle = settings.obstacle;
     obstacle.shape = obstacle_shape_of(*shape);
     obstacle.place = needed_vector(table, "place_mm");
-    const bool is_plane = obstacle.shape == ObstacleShape::plane;
     if (obstacle.shape != ObstacleShape::sphere)
         obstacle.direction = needed_vector(table, "direction");
-    if (!is_plane) obstacle.radius_mm = needed_number(table, "radius_mm", positive);
-    for (const char* key : {"radius_mm", "hollow"})
-        if (is_plane && table.has(key)) table.refuse(key, "a plane has none; remove it");
-    obstacle.is_hollow = table.yes_or_no("hollow").value_or(false);
+    read_sizes(table, obstacle);
     settings.friction = table.number("friction", not_negative).value_or(0);
     settings.stiffness_kpa_per_mm = table.number("stiffness_kpa_per_mm", positive);
     settings.slip_stiffness_kpa_per_mm = table.number("slip_stiffness_kpa_per_mm", positive);
@@ -157,10 +205,11 @@ void read_loads(const SettingsTable& document, SimulationSettings& settings) {
     read_all("fix", {"components"}, as_fix, settings.supports);
     read_all("move", {"x_mm", "y_mm", "z_mm"}, as_move, settings.supports);
     read_all("force", {"total_mn", "nodal_mn"}, as_force, settings.forces);
-    read_all("pressure", {"kpa"}, as_pressure, settings.surface_loads);
+    read_all("pressure", {"kpa", "follows"}, as_pressure, settings.surface_loads);
     read_all("traction", {"kpa"}, as_traction, settings.surface_loads);
     read_all("obstacle",
-             {"shape", "place_mm", "direction", "radius_mm", "hollow", "friction",
+             {"shape", "place_mm", "direction", "radius_mm", "hole_radius_mm", "edge_radius_mm",
+              "outer_radius_mm", "outer_edge_radius_mm", "hollow", "friction",
               "stiffness_kpa_per_mm", "slip_stiffness_kpa_per_mm", "motion_mm"},
              as_obstacle, settings.obstacles);
     refuse_repeated_names(settings);

@@ -84,6 +84,7 @@ struct ForceSettings : LoadSettings {
 struct SurfaceLoadSettings : LoadSettings {
     bool is_pressure = false;
     double pressure_kpa = 0;  ///< against the outward normal
+    bool follows = false;     ///< the surface as it deforms; else constant area and direction
     Vec3 traction_kpa = Vec3::Zero();
 };
 

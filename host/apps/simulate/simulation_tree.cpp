@@ -72,9 +72,22 @@ ResultTree forces_part(const SimulationResult& result) {
         list.add(ResultTree::of(load.name, {{"name", load.name},
                                             {"kind", load.is_pressure ? "pressure" : "traction"},
                                             {"pressure_kpa", load.pressure_kpa},
+                                            {"follows", load.follows},
                                             {"traction_kpa", components(load.traction_kpa)},
                                             {"column", column_name(result, load.column)}}));
     return list;
+}
+
+/// The radius of a tube's hole is called so; null: lengths that the shape has not.
+void add_sizes(const Obstacle& obstacle, ResultTree& tree) {
+    const bool is_tube = obstacle.shape == ObstacleShape::tube;
+    const auto size_or_null = [](bool is_there, double size_mm) {
+        return is_there ? FigureValue(size_mm) : FigureValue();
+    };
+    tree.add(is_tube ? "hole_radius_mm" : "radius_mm", obstacle.radius_mm);
+    tree.add("edge_radius_mm", size_or_null(has_edge(obstacle.shape), obstacle.edge_radius_mm));
+    tree.add("outer_radius_mm", size_or_null(is_tube, obstacle.outer_radius_mm));
+    tree.add("outer_edge_radius_mm", size_or_null(is_tube, obstacle.outer_edge_radius_mm));
 }
 
 ResultTree obstacles_part(const SimulationResult& result) {
@@ -83,19 +96,20 @@ ResultTree obstacles_part(const SimulationResult& result) {
         const ObstacleSettings& settings = result.settings.obstacles[k];
         const Contact& contact = result.prepared.model.contacts[k];
         const Obstacle& obstacle = contact.obstacle;
-        list.add(ResultTree::of(settings.name,
-                                {{"name", settings.name},
-                                 {"shape", name_of(obstacle.shape)},
-                                 {"place_mm", components(obstacle.place)},
-                                 {"direction", components(obstacle.direction)},
-                                 {"radius_mm", obstacle.radius_mm},
-                                 {"hollow", obstacle.is_hollow},
-                                 {"friction", contact.friction},
-                                 {"stiffness_kpa_per_mm", contact.stiffness_kpa_per_mm},
-                                 {"slip_stiffness_kpa_per_mm", contact.slip_stiffness_kpa_per_mm},
-                                 {"motion_mm", components(settings.motion_mm)},
-                                 {"faces", count_of(contact.faces.size())},
-                                 {"column", column_name(result, settings.column)}}));
+        ResultTree part =
+            ResultTree::of(settings.name, {{"name", settings.name},
+                                           {"shape", name_of(obstacle.shape)},
+                                           {"place_mm", components(obstacle.place)},
+                                           {"direction", components(obstacle.direction)}});
+        add_sizes(obstacle, part);
+        part.add("hollow", obstacle.is_hollow);
+        part.add("friction", contact.friction);
+        part.add("stiffness_kpa_per_mm", contact.stiffness_kpa_per_mm);
+        part.add("slip_stiffness_kpa_per_mm", contact.slip_stiffness_kpa_per_mm);
+        part.add("motion_mm", components(settings.motion_mm));
+        part.add("faces", count_of(contact.faces.size()));
+        part.add("column", column_name(result, settings.column));
+        list.add(std::move(part));
     }
     return list;
 }

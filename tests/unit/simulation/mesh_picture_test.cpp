@@ -44,6 +44,26 @@ TEST(MeshPicture, ShowsBothHalvesOfASectionThroughAnAxis) {
     EXPECT_EQ(count(picture_of(Formulation::axisymmetric), "<path d='M"), 8u);
 }
 
+TEST(MeshPicture, DrawsBothJawsOfATubeOnce) {
+    const SolidMesh mesh = mesh_of(Formulation::axisymmetric);
+    MeshPicture picture{"value", std::vector<double>(mesh.nodes.size(), 0.5), 0, 1, {Obstacle{}}};
+    Obstacle& tube = picture.obstacles[0];
+    tube.shape = ObstacleShape::tube;
+    tube.place = Vec3(0, 3, 0);
+    tube.direction = -Vec3::UnitY();
+    tube.edge_radius_mm = tube.outer_edge_radius_mm = 0.2;
+    tube.outer_radius_mm = 2;
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * mesh.num_nodes());
+    const std::string svg = mesh_picture_svg(mesh, body_shape(mesh), rest, 1, picture, "id");
+    const std::size_t begin = svg.find("class='wall'");
+    ASSERT_NE(begin, std::string::npos);
+    const std::string wall = svg.substr(begin, svg.find("/>", begin) - begin);
+    EXPECT_EQ(count(wall, "M"), 2u);
+    // Bore, two edges of eight parts, rim, outer side.
+    EXPECT_EQ(count(wall, "L"), 2u * 19);
+    EXPECT_EQ(wall.find("nan"), std::string::npos);
+}
+
 /// Half the cross products of the rim.
 double area_of(const PictureShape& shape, const SolidMesh& mesh) {
     double area = 0;

@@ -170,6 +170,37 @@ TEST(PrepareSimulation, AnObstacleIsAHundredTimesAsStiffAsTheStiffestElementItMa
         {"line 8", "[[obstacle]]", "normal"});
 }
 
+TEST(PrepareSimulation, AFollowingPressureIsALoadOfTheModelThatItsColumnScales) {
+    const SimulationSettings settings = parsed(
+        base +
+        "[[pressure]]\nwhere = {side = \"z-max\"}\nkpa = 2\n"
+        "[[pressure]]\nwhere = {side = \"x-max\"}\nkpa = -3\nfollows = true\ncolumn = \"suck\"\n"
+        "[history]\ntime_s = [1, 2]\nsuck = [0.5, -1]\n");
+    const PreparedSimulation p = prepare_simulation(settings);
+
+    ASSERT_EQ(p.model.pressures.size(), 1u);
+    EXPECT_EQ(p.model.pressures[0].faces.size(), 4u);
+    EXPECT_EQ(p.loads_at(settings, 0).pressure_kpa, (std::vector<double>{-1.5}));
+    EXPECT_EQ(p.loads_at(settings, 1).pressure_kpa, (std::vector<double>{3}));
+    EXPECT_NEAR(p.loads_at(settings, 1).force.sum(), -32, 1e-12);
+}
+
+TEST(PrepareSimulation, AboutAnAxisATubeStandsOnIt) {
+    const auto with_tube = [](const std::string& place, const std::string& more) {
+        return "[mesh]\nformulation = \"axisymmetric\"\nrectangle = {size_mm = [4, 2], divisions = "
+               "[4, 2]}\n" +
+               one_material +
+               "[[obstacle]]\nshape = \"tube\"\ndirection = [0, -1]\nhole_radius_mm = 1\n"
+               "edge_radius_mm = 0.2\nouter_radius_mm = 3\nplace_mm = " +
+               place + "\n" + more;
+    };
+    EXPECT_EQ(prepared(with_tube("[0, 2]", "motion_mm = [0, -1]\n")).model.contacts.size(), 1u);
+    expect_refused([&] { prepared(with_tube("[1, 2]", "")); },
+                   {"line 8", "[[obstacle]]", "tube", "x = 0"});
+    expect_refused([&] { prepared(with_tube("[0, 2]", "motion_mm = [1, -1]\n")); },
+                   {"line 8", "[[obstacle]]", "motion_mm needs x = 0"});
+}
+
 TEST(PrepareSimulation, APlaneMeshIsNotPulledOutOfItsPlane) {
     const std::string plane =
         "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [1, 1]"

@@ -200,6 +200,56 @@ TEST(ReadSimulation, LoadsAreChecked) {
                          "[[obstacle]]\nshape = \"plane\"\nplace_mm = [0, 0, 0]\n"
                          "direction = [0, 0, 1]\nradius_mm = 2\n",
                      {"'radius_mm'", "plane"});
+    expect_complaint(
+        base + "[[traction]]\nwhere = {side = \"z-max\"}\nkpa = [0, 0, 1]\nfollows = true\n",
+        {"[[traction]]", "'follows'"});
+    expect_complaint(base + "[[pressure]]\nwhere = {side = \"z-max\"}\nkpa = 1\nfollows = 1\n",
+                     {"[[pressure]]", "'follows'"});
+}
+
+const std::string ring =
+    "[[obstacle]]\nshape = \"tube\"\nplace_mm = [0, 0, 2]\ndirection = [0, 0, -1]\n"
+    "hole_radius_mm = 1\nedge_radius_mm = 0.2\nouter_radius_mm = 2\n";
+const std::string stamp =
+    "[[obstacle]]\nshape = \"punch\"\nplace_mm = [0, 0, 2]\ndirection = [0, 0, -1]\n"
+    "radius_mm = 1\nedge_radius_mm = 0.2\n";
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+}
+
+TEST(ReadSimulation, TubesAndPunchesHaveTheirSizes) {
+    const std::string base = box_mesh + one_material;
+    const Obstacle tube = parsed(base + ring).obstacles[0].obstacle;
+    EXPECT_EQ(tube.shape, ObstacleShape::tube);
+    EXPECT_EQ((std::array{tube.radius_mm, tube.edge_radius_mm, tube.outer_radius_mm,
+                          tube.outer_edge_radius_mm}),
+              (std::array{1.0, 0.2, 2.0, 0.2}));
+    EXPECT_EQ(parsed(base + ring + "outer_edge_radius_mm = 0.7\n")
+                  .obstacles[0]
+                  .obstacle.outer_edge_radius_mm,
+              0.7);
+    const Obstacle punch = parsed(base + stamp).obstacles[0].obstacle;
+    EXPECT_EQ(punch.shape, ObstacleShape::punch);
+    EXPECT_EQ((std::array{punch.radius_mm, punch.edge_radius_mm}), (std::array{1.0, 0.2}));
+}
+
+TEST(ReadSimulation, SizesOfTubesAndPunchesAreChecked) {
+    const std::string base = box_mesh + one_material;
+    expect_complaint(base + with(ring, "outer_radius_mm = 2", "outer_radius_mm = 1.3"),
+                     {"line 13", "'outer_radius_mm' is 1.3", "1.4 mm", "rim is narrower"});
+    expect_complaint(base + with(ring, "edge_radius_mm = 0.2", "edge_radius_mm = 0"),
+                     {"line 12", "'edge_radius_mm' is 0", "greater than 0"});
+    expect_complaint(base + with(ring, "hole_radius_mm = 1", "hole_radius_mm = -1"),
+                     {"line 11", "'hole_radius_mm' is -1", "greater than 0"});
+    expect_complaint(base + with(ring, "hole_radius_mm", "radius_mm"),
+                     {"'radius_mm'", "a tube has none"});
+    expect_complaint(base + ring + "hollow = true\n", {"'hollow'", "a tube has none"});
+    expect_complaint(base + with(ring, "outer_radius_mm = 2\n", ""),
+                     {"'outer_radius_mm' is missing"});
+    expect_complaint(base + with(stamp, "edge_radius_mm = 0.2", "edge_radius_mm = 1.5"),
+                     {"'edge_radius_mm' is 1.5", "at most radius_mm, 1 mm"});
+    expect_complaint(base + stamp + "outer_radius_mm = 3\n", {"a punch has none"});
 }
 
 TEST(ReadSimulation, NewtonAndHistoryAreChecked) {

@@ -72,12 +72,17 @@ Pressed pressed_by(ObstacleShape shape, const SolidMesh& mesh) {
     const int up = is_solid ? 2 : 1;
     Contact contact;
     contact.obstacle.shape = shape;
-    contact.obstacle.direction = shape == ObstacleShape::plane ? Vec3(-Vec3::Unit(up))
-                                 : is_solid                    ? Vec3(Vec3::UnitY())
-                                                               : Vec3(Vec3::UnitZ());
-    contact.obstacle.radius_mm = 4;
-    contact.obstacle.place = Vec3(1, 0.7, 0);
-    contact.obstacle.place[up] = shape == ObstacleShape::plane ? 2.05 : 6.05;
+    const bool is_flat = shape == ObstacleShape::plane || has_edge(shape);
+    contact.obstacle.direction = is_flat    ? Vec3(-Vec3::Unit(up))
+                                 : is_solid ? Vec3(Vec3::UnitY())
+                                            : Vec3(Vec3::UnitZ());
+    contact.obstacle.radius_mm = shape == ObstacleShape::tube ? 0.4 : is_flat ? 1.3 : 4;
+    contact.obstacle.edge_radius_mm = 0.5;
+    contact.obstacle.outer_radius_mm = 1.9;
+    contact.obstacle.outer_edge_radius_mm = 0.6;
+    const bool is_turned = has_edge(shape) && mesh.formulation == Formulation::axisymmetric;
+    contact.obstacle.place = Vec3(is_turned ? 0 : 1, 0.7, 0);
+    contact.obstacle.place[up] = is_flat ? 2.05 : 6.05;
     contact.stiffness_kpa_per_mm = 50;
     contact.slip_stiffness_kpa_per_mm = 30;
     contact.friction = 0.4;
@@ -101,7 +106,8 @@ template <class Work>
 void for_each_pressed(Work&& work) {
     for (const SolidMesh& mesh : fixtures::solid_meshes())
         for (const auto shape :
-             {ObstacleShape::plane, ObstacleShape::cylinder, ObstacleShape::sphere}) {
+             {ObstacleShape::plane, ObstacleShape::cylinder, ObstacleShape::sphere,
+              ObstacleShape::tube, ObstacleShape::punch}) {
             const std::string name = std::string(name_of(shape)) + ", " + mesh.table().name;
             work(pressed_by(shape, mesh), name);
         }
@@ -187,6 +193,40 @@ TEST(Contact, FrictionNeverExceedsItsLimitAndRunsAcrossTheNormal) {
     });
 }
 
+double& size_of(Obstacle& obstacle, int k) {
+    double* list[] = {&obstacle.radius_mm, &obstacle.edge_radius_mm, &obstacle.outer_radius_mm,
+                      &obstacle.outer_edge_radius_mm};
+    return *list[k];
+}
+
+TEST(Contact, ForcesChangeWithTheSizesOfObstacles) {
+    for_each_pressed([](const Pressed& pressed, const std::string& name) {
+        const auto force_with = [&](int k, double by) {
+            SolidModel model = pressed.model;
+            size_of(model.contacts[0].obstacle, k) += by;
+            ContactAssembly contact(model);
+            contact.begin(pressed.start);
+            contact.place(pressed.motion);
+            contact.renew_limits(pressed.u);
+            return force_at(contact, pressed.u).force;
+        };
+        ContactAssembly contact(pressed.model);
+        contact.begin(pressed.start);
+        contact.place(pressed.motion);
+        const Eigen::MatrixXd found = contact.shape_forces(pressed.u)[0];
+        constexpr double step = 1e-6;
+        for (int k = 0; k < 4; ++k) {
+            const Eigen::VectorXd expected =
+                (force_with(k, step) - force_with(k, -step)) / (2 * step);
+            EXPECT_LT((found.col(k) - expected).norm(), 1e-6 * expected.norm() + 1e-7)
+                << name << ", " << obstacle_sizes[k];
+        }
+        if (has_edge(pressed.model.contacts[0].obstacle.shape)) {
+            EXPECT_GT(found.col(1).norm(), 1e-2) << name;
+        }
+    });
+}
+
 TEST(Contact, WhatIsNoObstacleIsRefused) {
     const SolidMesh box = fixtures::solid_meshes()[0];
     const auto refuses = [&](auto&& spoil) {
@@ -207,6 +247,20 @@ TEST(Contact, WhatIsNoObstacleIsRefused) {
         c.obstacle.shape = ObstacleShape::sphere;
         c.obstacle.radius_mm = -1;
     });
+    const auto refuses_edge = [&](ObstacleShape shape, auto&& spoil) {
+        refuses([&](Contact& c) {
+            c.obstacle.shape = shape;
+            c.obstacle.edge_radius_mm = c.obstacle.outer_edge_radius_mm = 0.2;
+            c.obstacle.outer_radius_mm = 2;
+            spoil(c.obstacle);
+        });
+    };
+    refuses_edge(ObstacleShape::tube, [](Obstacle& o) { o.edge_radius_mm = 0; });
+    refuses_edge(ObstacleShape::tube, [](Obstacle& o) { o.outer_radius_mm = 1.3; });
+    refuses_edge(ObstacleShape::tube, [](Obstacle& o) { o.outer_edge_radius_mm = 1; });
+    refuses_edge(ObstacleShape::tube, [](Obstacle& o) { o.radius_mm = -1; });
+    refuses_edge(ObstacleShape::punch, [](Obstacle& o) { o.edge_radius_mm = 1.1; });
+    refuses_edge(ObstacleShape::punch, [](Obstacle& o) { o.edge_radius_mm = std::nan(""); });
     EXPECT_THROW(obstacle_shape_of("cone"), Error);
     EXPECT_EQ(obstacle_shape_of("sphere"), ObstacleShape::sphere);
 }

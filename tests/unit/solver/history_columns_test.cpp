@@ -100,34 +100,34 @@ SolidLoads loads_at(const std::vector<LoadTime>& times, double t) {
     loads.displacement *= part;
     loads.force *= part;
     for (Vec3& by : loads.obstacle_motion) by *= part;
+    for (double& by : loads.pressure_kpa) by *= part;
     if (i == 0) return loads;
     const SolidLoads& before = times[i - 1].loads;
     loads.displacement += (1 - part) * before.displacement;
     loads.force += (1 - part) * before.force;
     for (std::size_t c = 0; c < loads.obstacle_motion.size(); ++c)
         loads.obstacle_motion[c] += (1 - part) * before.obstacle_motion[c];
+    for (std::size_t k = 0; k < loads.pressure_kpa.size(); ++k)
+        loads.pressure_kpa[k] += (1 - part) * before.pressure_kpa[k];
     return loads;
 }
 
 void add_material_parameters(const LoadHistory& history, std::vector<Parameter>& list) {
     const SolidMaterial& material = history.model.materials[0];
     for (std::size_t k = 0; k < material.parameters.size(); ++k)
-        list.push_back({along_parameter(history.model, 0, k),
-                        [k](LoadHistory& h, double by) {
-                            h.model.materials[0].parameters[k] += by;
-                        },
-                        step * material.parameters[k]});
+        list.push_back(
+            {along_parameter(history.model, 0, k),
+             [k](LoadHistory& h, double by) { h.model.materials[0].parameters[k] += by; },
+             step * material.parameters[k]});
     for (std::size_t k = 0; k < material.relaxation.size(); ++k) {
-        list.push_back({along_amplitude(history.model, 0, k),
-                        [k](LoadHistory& h, double by) {
-                            h.model.materials[0].relaxation[k].amplitude += by;
-                        },
-                        step});
-        list.push_back({along_relaxation_time(history.model, 0, k),
-                        [k](LoadHistory& h, double by) {
-                            h.model.materials[0].relaxation[k].time_s += by;
-                        },
-                        step * material.relaxation[k].time_s});
+        list.push_back(
+            {along_amplitude(history.model, 0, k),
+             [k](LoadHistory& h, double by) { h.model.materials[0].relaxation[k].amplitude += by; },
+             step});
+        list.push_back(
+            {along_relaxation_time(history.model, 0, k),
+             [k](LoadHistory& h, double by) { h.model.materials[0].relaxation[k].time_s += by; },
+             step * material.relaxation[k].time_s});
     }
     list.push_back({along_friction(history.model, 0),
                     [](LoadHistory& h, double by) { h.model.contacts[0].friction += by; }, step});
@@ -140,6 +140,7 @@ void add_load_parameters(const LoadHistory& history, std::vector<Parameter>& lis
                             at.loads.displacement *= 1 + by;
                             at.loads.force *= 1 + by;
                             for (Vec3& motion : at.loads.obstacle_motion) motion *= 1 + by;
+                            for (double& kpa : at.loads.pressure_kpa) kpa *= 1 + by;
                         }
                     },
                     step});
@@ -147,6 +148,7 @@ void add_load_parameters(const LoadHistory& history, std::vector<Parameter>& lis
     for (SolidLoads& loads : pushed.loads) {
         loads.displacement.setZero();
         loads.force.setZero();
+        loads.pressure_kpa.clear();
     }
     list.push_back({pushed,
                     [](LoadHistory& h, double by) {
@@ -188,8 +190,8 @@ TEST(HistoryColumns, AreThoseOfCentralDifferencesForEveryKindOfParameter) {
         const auto which = i % 4 == 0 ? RelaxationOf::isochoric : RelaxationOf::total;
         const LoadHistory history = touched_history(models[i], which, i % 3 == 0);
         const std::vector<Parameter> parameters = parameters_of(history);
-        const HistoryWithColumns found = solve_history_columns(
-            history.model, history.times, directions_of(parameters), tight());
+        const HistoryWithColumns found =
+            solve_history_columns(history.model, history.times, directions_of(parameters), tight());
         ASSERT_EQ(found.columns.size(), history.times.size()) << found.states.back().message;
         for (std::size_t c = 0; c < parameters.size(); ++c) {
             const std::string name = name_of(models[i]) + ": " + parameters[c].direction.name;
@@ -199,6 +201,24 @@ TEST(HistoryColumns, AreThoseOfCentralDifferencesForEveryKindOfParameter) {
             EXPECT_GT(expected.contact_force.norm(), 1e-5) << name;
             EXPECT_LT(column_error(column, expected), tolerance) << name;
         }
+    }
+}
+
+TEST(HistoryColumns, KnowPressuresThatFollowTheSurface) {
+    for (const std::size_t i : {2, 7}) {
+        LoadHistory history =
+            touched_history(fixtures::solid_models()[i], RelaxationOf::isochoric, false);
+        history.model.pressures = {{history.model.contacts[0].faces}};
+        for (LoadTime& at : history.times) at.loads.pressure_kpa = {-0.3 * at.time_s};
+        const std::vector<Parameter> parameters = parameters_of(history);
+        const HistoryWithColumns found =
+            solve_history_columns(history.model, history.times, directions_of(parameters), tight());
+        ASSERT_EQ(found.columns.size(), history.times.size()) << found.states.back().message;
+        for (std::size_t c = 0; c < parameters.size(); ++c)
+            EXPECT_LT(column_error(column_of(found.columns, static_cast<Eigen::Index>(c)),
+                                   difference(history, parameters[c])),
+                      tolerance)
+                << name_of(history.model) << ": " << parameters[c].direction.name;
     }
 }
 
@@ -222,8 +242,8 @@ TEST(HistoryColumns, TheCheckCatchesABrokenColumn) {
 TEST(HistoryColumns, LeaveTheHistoryAsItIsToTheLastBit) {
     const LoadHistory history = plain_history();
     const auto expected = solve_history(history.model, history.times, {});
-    const auto found = solve_history_columns(history.model, history.times,
-                                             directions_of(parameters_of(history)));
+    const auto found =
+        solve_history_columns(history.model, history.times, directions_of(parameters_of(history)));
     ASSERT_EQ(found.states.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
         EXPECT_EQ(found.states[i].displacement, expected[i].displacement);
@@ -237,8 +257,8 @@ TEST(HistoryColumns, LeaveTheHistoryAsItIsToTheLastBit) {
 TEST(HistoryColumns, AgreeWithTheAdjoint) {
     const LoadHistory history = plain_history();
     const std::vector<Parameter> parameters = parameters_of(history);
-    const HistoryWithColumns found = solve_history_columns(
-        history.model, history.times, directions_of(parameters), tight());
+    const HistoryWithColumns found =
+        solve_history_columns(history.model, history.times, directions_of(parameters), tight());
     std::vector<Eigen::VectorXd> weights;
     for (std::size_t i = 0; i < history.times.size(); ++i) {
         Eigen::VectorXd w(history.model.num_dofs());
