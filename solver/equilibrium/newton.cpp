@@ -14,8 +14,8 @@ namespace {
 
 /// A step may raise the energy by rounding, as a part of the work that it stands for.
 constexpr double rounding = 1e-10;
-/// A body that does not touch yet has a tangent without the obstacle: its first step goes k d / p too
-/// far, d what it would move by, p the pressure that stops it: some 1e3 to 1e4, at any load.
+/// A body that does not touch yet has a tangent without the obstacle: its first step goes k d / p
+/// too far, d what it would move by, p the pressure that stops it: some 1e3 to 1e4, at any load.
 constexpr double shortest_length = 1.0 / 65536;
 constexpr double largest_shift = 20;
 constexpr int most_friction_rounds = 200;
