@@ -11,7 +11,10 @@ namespace palpate {
 
 namespace {
 
-constexpr double strong_correlation = 0.9;
+UnknownEvidence general_evidence(const ModulusEvidence& evidence) {
+    return {evidence.sd_ln, evidence.prior_sd_ln, evidence.seen_sd_ln, evidence.excludes_soft,
+            evidence.excludes_stiff};
+}
 
 std::string trade_text(const ModulusEvidence& evidence) {
     if (std::abs(evidence.partner_correlation) <= strong_correlation) return "";
@@ -30,9 +33,8 @@ Judgement judge_unseen(const ModulusEvidence& evidence) {
                         left, evidence.prior_sd_ln, trade_text(evidence))};
 }
 
-Judgement judge_one_sided(const ModulusEvidence& evidence) {
-    if (!evidence.excludes_stiff && !evidence.excludes_soft) return judge_unseen(evidence);
-    if (!evidence.excludes_stiff) {
+Judgement judge_one_sided(const ModulusEvidence& evidence, EvidenceCase which) {
+    if (which == EvidenceCase::lower_bound_only) {
         return {Verdict::weak,
                 fmt::format("only a lower bound is known, {:.3g} kPa: anything stiffer moves "
                             "almost as a rigid body, and no image can tell how stiff; the upper "
@@ -48,31 +50,20 @@ Judgement judge_one_sided(const ModulusEvidence& evidence) {
 }  // namespace
 
 Judgement judge(const ModulusEvidence& evidence) {
+    const EvidenceCase which = case_of(general_evidence(evidence));
+    if (which == EvidenceCase::unseen) return judge_unseen(evidence);
+    if (which != EvidenceCase::bounded) return judge_one_sided(evidence, which);
     const double span = evidence.interval_kpa[1] / evidence.interval_kpa[0];
-    const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
-    if (left > evidence.prior_sd_ln * 2.0 / 3.0) return judge_unseen(evidence);
-    if (!evidence.excludes_stiff || !evidence.excludes_soft) return judge_one_sided(evidence);
-    const std::string trade = trade_text(evidence);
-    if (span > 2.0) {
-        return {Verdict::weak,
-                fmt::format("the 95 % interval spans a factor of {:.1f}{}", span, trade)};
-    }
-    return {Verdict::recovered,
-            fmt::format("the 95 % interval spans a factor of {:.2f}{}", span, trade)};
-}
-
-std::array<double, 2> prior_interval(double median_kpa, double prior_sd_ln) {
-    const double spread = std::exp(1.96 * prior_sd_ln);
-    return {median_kpa / spread, median_kpa * spread};
+    const Verdict verdict = verdict_of_span(span);
+    const int digits = verdict == Verdict::weak ? 1 : 2;
+    return {verdict, fmt::format("the 95 % interval spans a factor of {:.{}f}{}", span, digits,
+                                 trade_text(evidence))};
 }
 
 std::array<double, 2> told_interval(const ModulusEvidence& evidence, const Judgement& judgement,
                                     double median_kpa) {
-    const auto prior = prior_interval(median_kpa, evidence.prior_sd_ln);
-    if (judgement.verdict == Verdict::not_identifiable) return prior;
-    const auto& [low, high] = evidence.interval_kpa;
-    return {evidence.excludes_soft ? low : std::min(low, prior[0]),
-            evidence.excludes_stiff ? high : std::max(high, prior[1])};
+    return told_interval(evidence.interval_kpa, prior_interval(median_kpa, evidence.prior_sd_ln),
+                         general_evidence(evidence), judgement.verdict);
 }
 
 std::array<double, 2> RatioEvidence::interval() const {
@@ -90,11 +81,11 @@ Judgement judge_ratio(const RatioEvidence& evidence) {
         "the images leave {:.0f} % of the spread that was assumed beforehand, {:.3g} to "
         "{:.3g}",
         100 * std::min(share, 1.0), evidence.allowed[0], evidence.allowed[1]);
-    if (share > 2.0 / 3.0) return {Verdict::not_identifiable, text};
-    if (evidence.at_limit != RatioLimit::none) {
+    const Verdict verdict = verdict_of_share(share);
+    if (verdict != Verdict::not_identifiable && evidence.at_limit != RatioLimit::none) {
         return {Verdict::weak, text + "; the best ratio is an end of what was allowed"};
     }
-    return {share <= 0.5 ? Verdict::recovered : Verdict::weak, text};
+    return {verdict, text};
 }
 
 Judgement judge_unobserved(bool surface_is_driven) {

@@ -6,15 +6,9 @@
 #include <string>
 
 #include "host/apps/recover/inverse/poisson_search.hpp"
-#include "host/estimate/verdict.hpp"
+#include "host/estimate/judgement.hpp"
 
 namespace palpate {
-
-/// What the data say about one unknown modulus.
-struct Judgement {
-    Verdict verdict = Verdict::not_judged;
-    std::string reason;  ///< one sentence
-};
 
 /// What is known of one modulus after a search.
 struct ModulusEvidence {
@@ -30,9 +24,6 @@ struct ModulusEvidence {
 /// it on both sides, *weak* if not, *not identifiable* if the data, or the motion that they show,
 /// narrow the prior by less than a third (method.md section 5).
 Judgement judge(const ModulusEvidence& evidence);
-
-/// The prior's 95 % interval of a modulus with this median.
-std::array<double, 2> prior_interval(double median_kpa, double prior_sd_ln);
 
 /// The interval to tell of a modulus whose prior has this median: the prior's if it is not
 /// identifiable, else what was found, where an end that the images do not give is at least the

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/estimate/profile_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/estimate/posterior.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double z_tolerance = 0.03;
+constexpr int max_profile_points = 12;
+/// A profile is followed at most so far: sd of the prior, or of the Laplace posterior if flat.
+constexpr double max_prior_reach = 4.0, max_laplace_reach = 30.0;
+
+}  // namespace
+
+ProfileSearch::ProfileSearch(const DataProblem& problem, const Fit& fit,
+                             const Eigen::MatrixXd& covariance, const GaussNewtonOptions& options,
+                             const ProgressSink& progress)
+    : problem_(problem),
+      parameters_(problem.parameters()),
+      fit_(fit),
+      covariance_(covariance),
+      options_(options),
+      progress_(progress),
+      range_(range_of(parameters_)),
+      priors_(priors_of(parameters_)),
+      lowest_(minus_log_posterior(parameters_, *fit.prediction, *fit.noise)) {}
+
+Eigen::VectorXd ProfileSearch::within(Eigen::VectorXd transformed) const {
+    return transformed.cwiseMax(range_.lower).cwiseMin(range_.upper);
+}
+
+/// Parameter k at t, the others at their conditional means in the Laplace posterior.
+Eigen::VectorXd ProfileSearch::on_ridge(Index k, double t) const {
+    const Eigen::VectorXd ridge = covariance_.col(k) / covariance_(k, k);
+    return within(fit_.transformed + (t - fit_.transformed[k]) * ridge);
+}
+
+/// F there less F at the fit; infinite without a prediction.
+double ProfileSearch::rise_at(const Eigen::VectorXd& transformed) {
+    check_cancelled(progress_);
+    ++num_prediction_;
+    const PredictionAttempt made =
+        checked_prediction(problem_, to_values(parameters_, transformed), PredictedColumns::none,
+                           fit_.prediction.get());
+    if (!made.prediction) return infinite;
+    NoiseModel noise = *fit_.noise;
+    noise.reweight(*made.prediction);
+    return minus_log_posterior(parameters_, *made.prediction, noise) - lowest_;
+}
+
+ProfileSearch::Point ProfileSearch::profile_at(Index k, double t, const Point& nearest) {
+    Eigen::VectorXd start =
+        nearest.transformed + on_ridge(k, t) - on_ridge(k, nearest.transformed[k]);
+    start[k] = t;
+    try {
+        NoiseModel noise = *fit_.noise;
+        const GaussNewtonMinimum found = minimise_gauss_newton(
+            problem_, noise, {to_values(parameters_, within(start)), nearest.prediction, {k}},
+            options_, progress_);
+        num_prediction_ += found.num_prediction;
+        const double rise = std::max(0.0, found.objective - lowest_);
+        return {std::sqrt(2.0 * rise), found.transformed, found.prediction};
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::solve_failed) throw;
+        ++num_prediction_;
+        return {infinite, start, nearest.prediction};
+    }
+}
+
+double ProfileSearch::farthest(Index k, double direction) const {
+    const double end = direction < 0 ? range_.lower[k] : range_.upper[k];
+    const double sd = std::sqrt(covariance_(k, k));
+    const double reach =
+        std::max(max_laplace_reach * sd * (parameters_[k].has_prior() ? 0 : 1),
+                 parameters_[k].has_prior() ? max_prior_reach * parameters_[k].sd : 0.0);
+    const double looked = fit_.transformed[k] + direction * std::max(reach, 4.0 * sd);
+    return direction < 0 ? std::max(end, looked) : std::min(end, looked);
+}
+
+/// Secant on the root of the rise, which is linear for a Gaussian, within a bracket.
+double ProfileSearch::profile_end(Index k, double reach, double direction, bool& is_cut) {
+    Point inside{0, fit_.transformed, fit_.prediction};
+    const double last = farthest(k, direction);
+    double outside = last, outside_z = infinite;
+    bool is_bracketed = false;
+    double t = fit_.transformed[k] + direction * reach * std::sqrt(covariance_(k, k));
+    for (int point = 0; point < max_profile_points; ++point) {
+        t = direction < 0 ? std::max(t, outside) : std::min(t, outside);
+        const Point found = profile_at(k, t, inside);
+        if (std::abs(found.z - reach) < z_tolerance) return t;
+        if (found.z < reach) {
+            if (t == last) break;
+            inside = found;
+        } else {
+            outside = t;
+            outside_z = found.z;
+            is_bracketed = true;
+        }
+        const double begin = inside.transformed[k];
+        if (is_bracketed && !std::isfinite(outside_z))
+            t = 0.5 * (begin + outside);
+        else if (is_bracketed)
+            t = begin + (outside - begin) *
+                            std::clamp((reach - inside.z) / (outside_z - inside.z), 0.1, 0.9);
+        else
+            t = fit_.transformed[k] +
+                (begin - fit_.transformed[k]) * std::clamp(reach / inside.z, 1.2, 3.0);
+    }
+    is_cut = !is_bracketed || !std::isfinite(outside_z);
+    return is_bracketed ? 0.5 * (inside.transformed[k] + outside) : last;
+}
+
+bool ProfileSearch::is_quadratic(Index k, double tolerance) {
+    constexpr double two_sd_rise = 2.0;
+    const double two_sd = 2.0 * std::sqrt(covariance_(k, k));
+    for (const double direction : {-1.0, 1.0}) {
+        const double t = fit_.transformed[k] + direction * two_sd;
+        if (t < range_.lower[k] || t > range_.upper[k]) return false;
+        if (!(std::abs(rise_at(on_ridge(k, t)) - two_sd_rise) <= tolerance * two_sd_rise))
+            return false;
+    }
+    return true;
+}
+
+TransformedInterval ProfileSearch::interval(Index k, double reach, double tolerance) {
+    TransformedInterval interval;
+    interval.is_profiled = !is_quadratic(k, tolerance);
+    for (const int side : {0, 1}) {
+        const double direction = side == 0 ? -1.0 : 1.0;
+        interval.ends[side] =
+            interval.is_profiled
+                ? profile_end(k, reach, direction, interval.is_cut[side])
+                : fit_.transformed[k] + direction * reach * std::sqrt(covariance_(k, k));
+    }
+    return interval;
+}
+
+/// How much less likely the data alone are there: F without the prior of k.
+double ProfileSearch::data_rise(Index k, const Eigen::VectorXd& transformed) {
+    const auto energy = [&](double t) {
+        return 0.5 * priors_.precision[k] * (t - priors_.mean[k]) * (t - priors_.mean[k]);
+    };
+    return rise_at(transformed) - energy(transformed[k]) + energy(fit_.transformed[k]);
+}
+
+std::array<bool, 2> ProfileSearch::excluded_ends(Index k) {
+    const double reach =
+        parameters_[k].has_prior() ? max_prior_reach * parameters_[k].sd : infinite;
+    std::array<bool, 2> excluded{true, true};
+    for (const int side : {0, 1}) {
+        const double end = side == 0 ? std::max(range_.lower[k], priors_.mean[k] - reach)
+                                     : std::min(range_.upper[k], priors_.mean[k] + reach);
+        if (!std::isfinite(end)) continue;
+        Eigen::VectorXd alone = fit_.transformed;
+        alone[k] = end;
+        excluded[side] =
+            std::min(data_rise(k, alone), data_rise(k, on_ridge(k, end))) > profile_rise;
+    }
+    return excluded;
+}
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+
+#include "host/estimate/fit.hpp"
+#include "solver/base/log.hpp"
+
+namespace palpate {
+
+/// A 95 % interval on the transformed scale.
+struct TransformedInterval {
+    std::array<double, 2> ends{0, 0};
+    bool is_profiled = false;  ///< else so many sd to either side
+    /// Whether an end is where the model has no prediction any more, the end of what is allowed, or
+    /// as far as was looked.
+    std::array<bool, 2> is_cut{false, false};
+};
+
+/// Minus the log posterior around a fit, its discrepancies held.
+class ProfileSearch {
+public:
+    ProfileSearch(const DataProblem& problem, const Fit& fit, const Eigen::MatrixXd& covariance,
+                  const GaussNewtonOptions& options, const ProgressSink& progress);
+
+    /// The interval of parameter k, `reach` sd to either side (1.96 for 95 %): quadratic if F along
+    /// the ridge (the others at their conditional means), 2 sd away, has risen by 2 up to the share
+    /// `tolerance`; else where the profile (the others searched anew) has risen by reach^2 / 2.
+    TransformedInterval interval(Index k, double reach, double tolerance);
+
+    /// Whether the data without the prior of k exclude its lowest and its highest value: their
+    /// ends, or 4 sd of the prior; as `excluded_ends` of posterior.hpp. True where there is no end
+    /// at all.
+    std::array<bool, 2> excluded_ends(Index k);
+
+    int num_prediction() const { return num_prediction_; }
+
+private:
+    struct Point {
+        double z = 0;  ///< sqrt(2 rise); infinite without a prediction
+        Eigen::VectorXd transformed;
+        std::shared_ptr<const Prediction> prediction;
+    };
+    Eigen::VectorXd on_ridge(Index k, double t) const;
+    Eigen::VectorXd within(Eigen::VectorXd transformed) const;
+    double rise_at(const Eigen::VectorXd& transformed);
+    Point profile_at(Index k, double t, const Point& nearest);
+    double profile_end(Index k, double reach, double direction, bool& is_cut);
+    double farthest(Index k, double direction) const;
+    double data_rise(Index k, const Eigen::VectorXd& transformed);
+    bool is_quadratic(Index k, double tolerance);
+
+    const DataProblem& problem_;
+    const std::vector<Parameter>& parameters_;
+    const Fit& fit_;
+    const Eigen::MatrixXd& covariance_;
+    const GaussNewtonOptions& options_;
+    const ProgressSink& progress_;
+    TransformedRange range_;
+    TransformedPriors priors_;
+    double lowest_ = 0;
+    int num_prediction_ = 0;
+};
+
+}  // namespace palpate
