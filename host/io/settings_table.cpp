@@ -110,7 +110,89 @@ std::size_t deepest_key(std::string_view text) {
 
 }  // namespace
 
-SettingsTable SettingsTable::parse(const std::string& toml, const std::string& source_name) {
+struct SettingsTable::Place {
+    const toml::node& node;
+    std::string path;
+};
+
+/// Reads what stands in a number's place.
+class SettingsTable::OpenNumberReader {
+public:
+    OpenNumberReader(const SettingsTable& table, std::string_view key, const toml::node& node)
+        : table_(table), key_(key), node_(node) {}
+
+    bool is_open() const { return node_.is_table() || is_word("unknown"); }
+
+    OpenNumber read(std::string path, NumberRange range) const {
+        OpenNumber open{.path = std::move(path), .key = std::string(key_), .range = range};
+        if (const toml::table* inner = node_.as_table()) {
+            for (const auto& [name, value] : *inner) take(name.str(), value, open);
+            check(*inner, open);
+        }
+        return open;
+    }
+
+private:
+    bool is_word(std::string_view word) const {
+        return node_.is_string() && node_.value<std::string_view>() == word;
+    }
+
+    void take(std::string_view name, const toml::node& value, OpenNumber& open) const {
+        if (name == "unknown") {
+            if (!value.is_boolean() || !*value.value<bool>())
+                refuse("unknown is true, or left out");
+            return;
+        }
+        const auto number = value.is_number() ? value.value<double>() : std::nullopt;
+        if (!number || !std::isfinite(*number)) refuse(fmt::format("{} is a number", name));
+        if (name == "value")
+            open.value = *number;
+        else if (std::optional<double>* place = place_of(name, open))
+            *place = *number;
+        else
+            refuse(fmt::format("'{}' is not known there", name));
+    }
+
+    static std::optional<double>* place_of(std::string_view name, OpenNumber& open) {
+        if (name == "sd") return &open.sd;
+        if (name == "sd_ln") return &open.sd_ln;
+        if (name == "start") return &open.start;
+        if (name == "lowest") return &open.lowest;
+        if (name == "highest") return &open.highest;
+        return name == "median" ? &open.median : nullptr;
+    }
+
+    void check(const toml::table& inner, OpenNumber& open) const {
+        open.is_unknown = inner.contains("unknown");
+        const bool has_value = inner.contains("value");
+        if (open.is_unknown == has_value) refuse("it is either unknown or has a value");
+        if (has_value && (open.start || open.lowest || open.highest || open.median))
+            refuse("beside a value stands its sd alone");
+        if (has_value && open.sd.has_value() == open.sd_ln.has_value())
+            refuse("beside a value stands its sd, or the sd_ln of its logarithm");
+        if ((open.sd && !(*open.sd > 0)) || (open.sd_ln && !(*open.sd_ln > 0)))
+            refuse("a standard deviation is greater than 0");
+        if (open.lowest && open.highest && !(*open.lowest < *open.highest))
+            refuse("lowest is less than highest");
+        for (const auto& number : {has_value ? std::optional(open.value) : std::nullopt, open.start,
+                                   open.lowest, open.highest, open.median})
+            if (number && !open.range.contains(*number)) refuse("allowed: " + shown(open.range));
+    }
+
+    [[noreturn]] void refuse(const std::string& why) const {
+        table_.refuse(key_, fmt::format("{}; allowed: \"unknown\", {{unknown = true, start = ..., "
+                                        "lowest = ..., highest = ..., median = ..., sd_ln = ...}}, "
+                                        "or {{value = ..., sd = ...}}",
+                                        why));
+    }
+
+    const SettingsTable& table_;
+    std::string_view key_;
+    const toml::node& node_;
+};
+
+SettingsTable SettingsTable::parse(const std::string& toml, const std::string& source_name,
+                                   OpenNumbers open_numbers) {
     if (deepest_key(toml) > most_dots_in_a_key)
         throw Error(ErrorCode::input_unreadable,
                     fmt::format("{}: a key has more than {} parts; no setting needs more than two",
@@ -120,6 +202,8 @@ SettingsTable SettingsTable::parse(const std::string& toml, const std::string& s
         SettingsTable result;
         result.node_ = std::make_shared<const Node>(Node{document, document.get()});
         result.source_ = source_name;
+        if (open_numbers)
+            result.open_numbers_ = std::make_shared<const OpenNumbers>(std::move(open_numbers));
         return result;
     } catch (const toml::parse_error& e) {
         throw Error(ErrorCode::input_unreadable,
@@ -159,6 +243,7 @@ std::optional<SettingsTable> SettingsTable::table(std::string_view key) const {
     SettingsTable result = *this;
     result.node_ = std::make_shared<const Node>(Node{node_->document, inner});
     result.title_ += fmt::format("{}[{}]", title_.empty() ? "" : " ", key);
+    result.path_ += fmt::format("{}.", key);
     return result;
 }
 
@@ -174,20 +259,29 @@ std::vector<SettingsTable> SettingsTable::tables(std::string_view key) const {
         inner.node_ = std::make_shared<const Node>(Node{node_->document, item.as_table()});
         inner.title_ +=
             fmt::format("{}[[{}]] number {}", title_.empty() ? "" : " ", key, result.size() + 1);
+        inner.path_ += fmt::format("{}[{}].", key, result.size() + 1);
         result.push_back(inner);
     }
     return result;
 }
 
-std::optional<double> SettingsTable::number(std::string_view key, NumberRange range) const {
+std::optional<double> SettingsTable::number(std::string_view key, NumberRange range,
+                                            const std::string& allowed) const {
     if (!has(key)) return std::nullopt;
     const toml::node* node = node_->table->get(key);
+    if (const auto open = open_number(key, {*node, path_ + std::string(key)}, range)) return open;
     const std::optional<double> value =
         node->is_number() ? node->value<double>() : std::optional<double>{};
-    const bool good = value && std::isfinite(*value) && *value <= range.high &&
-                      (range.open_low ? *value > range.low : *value >= range.low);
-    if (!good) refuse(key, "allowed: " + shown(range));
+    if (!value || !range.contains(*value))
+        refuse(key, "allowed: " + (allowed.empty() ? shown(range) : allowed));
     return value;
+}
+
+std::optional<double> SettingsTable::open_number(std::string_view key, const Place& place,
+                                                 NumberRange range) const {
+    const OpenNumberReader reader(*this, key, place.node);
+    if (!open_numbers_ || !reader.is_open()) return std::nullopt;
+    return (*open_numbers_)(reader.read(place.path, range));
 }
 
 std::optional<std::vector<double>> SettingsTable::numbers(std::string_view key, std::size_t least,
@@ -203,7 +297,9 @@ std::optional<std::vector<double>> SettingsTable::numbers(std::string_view key, 
     if (!list || list->size() < least || list->size() > most) wrong();
     std::vector<double> values;
     for (const toml::node& item : *list) {
-        const auto value = item.is_number() ? item.value<double>() : std::optional<double>{};
+        auto value = open_number(
+            key, {item, fmt::format("{}{}[{}]", path_, key, values.size() + 1)}, any_number);
+        if (!value && item.is_number()) value = item.value<double>();
         if (!value || !std::isfinite(*value)) wrong();
         values.push_back(*value);
     }

@@ -5,13 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 
 #include "host/io/files.hpp"
+#include "host/io/number_table.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -20,38 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_rows = 100000;
-constexpr std::uintmax_t largest_table_bytes = 16 << 20;
 constexpr std::string_view time_column = "time_s";
-
-[[noreturn]] void refuse_line(const std::string& file, std::size_t line, const std::string& why) {
-    throw Error(ErrorCode::input_unreadable, fmt::format("{}, line {}: {}", file, line, why));
-}
-
-std::string_view trimmed(std::string_view text) {
-    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-    return text;
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-    std::vector<std::string_view> cells;
-    for (;;) {
-        const std::size_t comma = line.find(',');
-        cells.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos) return cells;
-        line.remove_prefix(comma + 1);
-    }
-}
-
-std::optional<double> number_of(std::string_view text) {
-    if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_good =
-        error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-    return is_good ? std::optional(value) : std::nullopt;
-}
 
 /// Checks one more row against those before and adds it; why not, or nothing.
 std::optional<std::string> add_row(LoadTable& table, double time_s, std::vector<double> factors) {
@@ -72,20 +39,25 @@ std::optional<std::string> add_row(LoadTable& table, double time_s, std::vector<
     return std::nullopt;
 }
 
-void read_header(LoadTable& table, const std::vector<std::string_view>& cells,
-                 const std::string& file, std::size_t line) {
-    if (cells.front() != time_column)
-        refuse_line(file, line,
-                    fmt::format("the first column must be '{}', not '{}'; name the columns in the "
-                                "first line",
-                                time_column, cells.front()));
-    table.columns.assign(cells.begin() + 1, cells.end());
-    for (const std::string& name : table.columns)
-        if (name.empty() || std::count(table.columns.begin(), table.columns.end(), name) > 1)
-            refuse_line(file, line,
-                        fmt::format("the column '{}' is empty or there twice; give each column a "
-                                    "name of its own",
-                                    name));
+/// The table as factors over time; the first column is the time.
+LoadTable factors_of(const NumberTable& numbers) {
+    if (numbers.columns.front() != time_column)
+        throw Error(
+            ErrorCode::input_unreadable,
+            fmt::format("{}, line {}: the first column must be '{}', not '{}'; name the columns in "
+                        "the first line",
+                        numbers.source, numbers.header_line, time_column, numbers.columns.front()));
+    LoadTable table;
+    table.columns.assign(numbers.columns.begin() + 1, numbers.columns.end());
+    for (std::size_t row = 0; row < numbers.rows.size(); ++row) {
+        const std::vector<double>& values = numbers.rows[row];
+        if (const auto why = add_row(table, values[0], {values.begin() + 1, values.end()}))
+            numbers.refuse_row(row, *why);
+    }
+    if (table.time_s.empty())
+        throw Error(ErrorCode::input_unreadable,
+                    numbers.source + ": there is no row above time 0; give at least one");
+    return table;
 }
 
 LoadTable read_file(const SettingsTable& table, const fs::path& folder) {
@@ -95,12 +67,7 @@ LoadTable read_file(const SettingsTable& table, const fs::path& folder) {
     const fs::path path = folder / *table.text("file");
     if (const auto why = why_unreadable(path))
         table.refuse("file", fmt::format("it cannot be read because {}; check the path", *why));
-    std::error_code failed;
-    if (fs::file_size(path, failed) > largest_table_bytes)
-        table.refuse("file", "it is larger than 16 MiB; give fewer rows");
-    std::ifstream in(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    return parse_load_csv(text, path.filename().string());
+    return factors_of(read_number_table(path));
 }
 
 LoadTable read_lists(const SettingsTable& table) {
@@ -146,40 +113,7 @@ LoadTable refined(const LoadTable& table, double longest_step_s) {
 }  // namespace
 
 LoadTable parse_load_csv(std::string_view text, const std::string& source_name) {
-    LoadTable table;
-    bool has_header = false;
-    for (std::size_t line = 1; !text.empty(); ++line) {
-        const std::size_t end = text.find('\n');
-        const std::string_view content = trimmed(text.substr(0, end));
-        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-        if (content.empty() || content.front() == '#') continue;
-        const auto cells = cells_of(content);
-        if (!has_header) {
-            read_header(table, cells, source_name, line);
-            has_header = true;
-            continue;
-        }
-        if (cells.size() != table.columns.size() + 1)
-            refuse_line(source_name, line,
-                        fmt::format("{} values for {} columns; give one for each, separated by "
-                                    "commas",
-                                    cells.size(), table.columns.size() + 1));
-        std::vector<double> values;
-        for (const std::string_view cell : cells) {
-            const auto value = number_of(cell);
-            if (!value)
-                refuse_line(
-                    source_name, line,
-                    fmt::format("'{}' is not a number; use digits with a decimal point", cell));
-            values.push_back(*value);
-        }
-        if (const auto why = add_row(table, values[0], {values.begin() + 1, values.end()}))
-            refuse_line(source_name, line, *why);
-    }
-    if (table.time_s.empty())
-        throw Error(ErrorCode::input_unreadable,
-                    source_name + ": there is no row above time 0; give at least one");
-    return table;
+    return factors_of(parse_number_table(text, source_name));
 }
 
 LoadTable read_history(const SettingsTable& table, const fs::path& folder) {
