@@ -25,10 +25,11 @@ struct LinearLaw {
     LameModuli<Real> lame;
 
     static MaterialDescription description() {
-        return {"linear",
-                "Hooke's law for small strains and rotations: lambda/2 tr(e)^2 + mu e:e.",
-                {{"stiffness_kpa", "kPa", above(0), "Young's modulus"},
-                 {"poisson_ratio", "1", {.lowest = -1, .highest = 0.5}, "Poisson's ratio"}}};
+        return {
+            "linear",
+            "Hooke's law for small strains and rotations: lambda/2 tr(e)^2 + mu e:e.",
+            {{"stiffness_kpa", "kPa", above(0), "Young's modulus", 10},
+             {"poisson_ratio", "1", {.lowest = -1, .highest = 0.5}, "Poisson's ratio", 0.4, 1}}};
     }
     static LinearLaw from_parameters(const double* values) {
         return {lame_moduli<Real>(values[0], values[1])};

@@ -36,6 +36,9 @@ struct MaterialParameter {
     std::string_view unit;  ///< "kPa", "1/kPa" or "1"
     ParameterRange range;
     std::string_view meaning;
+    /// Of soft tissue, and how far one differs from another (sd of the logarithm; of the logit
+    /// within two ends): what is assumed of a parameter that is looked for. 0: nothing is.
+    double typical = 0, typical_sd = 1.5;
 };
 
 /// What a user may know about a law: its row in `material_laws()`.

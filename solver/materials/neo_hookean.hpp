@@ -20,7 +20,7 @@ struct NeoHookeanLaw : FiniteStrainLaw<NeoHookeanLaw<Real>, Real> {
     static MaterialDescription description() {
         return {"neo-hookean",
                 "Compressible neo-Hookean: mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2.",
-                {{"stiffness_kpa", "kPa", above(0), "Young's modulus at small strains"},
+                {{"stiffness_kpa", "kPa", above(0), "Young's modulus at small strains", 10},
                  {"poisson_ratio",
                   "1",
                   {.lowest = 0, .highest = 0.5, .includes_lowest = true},

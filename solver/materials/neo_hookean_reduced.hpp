@@ -16,8 +16,8 @@ struct NeoHookeanReducedLaw : FiniteStrainLaw<NeoHookeanReducedLaw<Real>, Real> 
     static MaterialDescription description() {
         return {"neo-hookean-reduced",
                 "Neo-Hookean in reduced invariants: mu (J1 - 3) + kappa/2 (J - 1)^2.",
-                {{"mu_kpa", "kPa", above(0), "half the shear modulus at small strains"},
-                 {"kappa_kpa", "kPa", above(0), "bulk modulus at small strains"}}};
+                {{"mu_kpa", "kPa", above(0), "half the shear modulus at small strains", 1.5},
+                 {"kappa_kpa", "kPa", above(0), "bulk modulus at small strains", 1000}}};
     }
     static NeoHookeanReducedLaw from_parameters(const double* values) {
         NeoHookeanReducedLaw law;

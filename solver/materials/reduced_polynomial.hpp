@@ -18,9 +18,10 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
     static MaterialDescription description() {
         return {"reduced-polynomial",
                 "Reduced polynomial of second order: C1 (J1 - 3) + C2 (J1 - 3)^2 + (J - 1)^2 / D1.",
-                {{"c1_kpa", "kPa", above(0), "half the shear modulus at small strains"},
-                 {"c2_kpa", "kPa", at_least(0), "stiffening with distortion"},
-                 {"d1_per_kpa", "1/kPa", above(0), "twice the compressibility at small strains"}}};
+                {{"c1_kpa", "kPa", above(0), "half the shear modulus at small strains", 1.5},
+                 {"c2_kpa", "kPa", at_least(0), "stiffening with distortion", 1.5},
+                 {"d1_per_kpa", "1/kPa", above(0), "twice the compressibility at small strains",
+                  0.002}}};
     }
     static ReducedPolynomialLaw from_parameters(const double* values) {
         ReducedPolynomialLaw law;

@@ -27,9 +27,9 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
     static MaterialDescription description() {
         return {"veronda-westmann",
                 "Veronda-Westmann type: mu/gamma (exp(gamma (J1 - 3)) - 1) + kappa/2 (J - 1)^2.",
-                {{"mu_kpa", "kPa", above(0), "half the shear modulus at small strains"},
-                 {"gamma", "1", above(0), "how fast the tissue stiffens with distortion"},
-                 {"kappa_kpa", "kPa", above(0), "bulk modulus at small strains"}}};
+                {{"mu_kpa", "kPa", above(0), "half the shear modulus at small strains", 1.5},
+                 {"gamma", "1", above(0), "how fast the tissue stiffens with distortion", 5},
+                 {"kappa_kpa", "kPa", above(0), "bulk modulus at small strains", 1000}}};
     }
     static VerondaWestmannLaw from_parameters(const double* values) {
         VerondaWestmannLaw law;
