@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 
@@ -163,6 +164,15 @@ void refuse_instantaneous(const std::vector<MaterialSettings>& materials) {
                 "over 1 + the sum of amplitudes), or a [history]");
 }
 
+NumberRange number_range(const ParameterRange& range) {
+    const auto inward = [](double end, bool is_included, double other) {
+        return is_included || !std::isfinite(end) ? end : std::nextafter(end, other);
+    };
+    return {std::max(any_number.low, range.lowest),
+            std::min(any_number.high, inward(range.highest, range.includes_highest, 0)),
+            !range.includes_lowest && std::isfinite(range.lowest)};
+}
+
 MaterialSettings read_material(const SettingsTable& table) {
     const MaterialDescription& law = read_law(table);
     std::vector<std::string_view> keys{"region", "law", "relaxation", "relaxation_of",
@@ -176,28 +186,11 @@ MaterialSettings read_material(const SettingsTable& table) {
     for (const MaterialParameter& parameter : law.parameters) {
         const std::string allowed = allowed_text(parameter);
         if (!table.has(parameter.name)) table.missing(parameter.name, allowed);
-        const auto value = table.number(parameter.name, any_number);
-        if (!parameter.range.contains(*value)) table.refuse(parameter.name, "allowed: " + allowed);
+        const auto value = table.number(parameter.name, number_range(parameter.range), allowed);
         settings.material.parameters.push_back(*value);
     }
     read_relaxation(table, settings.material);
     return settings;
-}
-
-std::vector<MaterialSettings> read_materials(const SettingsTable& document) {
-    std::vector<MaterialSettings> materials;
-    const std::vector<SettingsTable> tables = document.tables("material");
-    if (tables.empty()) document.fail("there is no [[material]]; say what the body is made of");
-    for (const SettingsTable& table : tables) {
-        const MaterialSettings material = read_material(table);
-        if (!material.region && tables.size() > 1)
-            table.missing("region", "a label, because there are several materials");
-        for (const MaterialSettings& other : materials)
-            if (other.region == material.region)
-                table.refuse("region", "another [[material]] has it; labels must differ");
-        materials.push_back(material);
-    }
-    return materials;
 }
 
 void read_newton(const SettingsTable& table, SimulationSettings& settings) {
@@ -241,13 +234,37 @@ std::string read_title(const SettingsTable& document) {
 
 }  // namespace
 
-SimulationSettings parse_simulation(const std::string& toml, const std::string& source_name,
-                                    const fs::path& folder) {
-    const SettingsTable document = SettingsTable::parse(toml, source_name);
+std::vector<std::string_view> simulation_keys() {
     std::vector<std::string_view> keys{"title",   "mesh",   "material",
                                        "history", "newton", "dynamics"};
     keys.insert(keys.end(), load_keys.begin(), load_keys.end());
-    document.allow_keys(keys);
+    return keys;
+}
+
+std::vector<MaterialSettings> read_materials(const SettingsTable& document) {
+    std::vector<MaterialSettings> materials;
+    const std::vector<SettingsTable> tables = document.tables("material");
+    if (tables.empty()) document.fail("there is no [[material]]; say what the body is made of");
+    for (const SettingsTable& table : tables) {
+        const MaterialSettings material = read_material(table);
+        if (!material.region && tables.size() > 1)
+            table.missing("region", "a label, because there are several materials");
+        for (const MaterialSettings& other : materials)
+            if (other.region == material.region)
+                table.refuse("region", "another [[material]] has it; labels must differ");
+        materials.push_back(material);
+    }
+    return materials;
+}
+
+SimulationSettings parse_simulation(const std::string& toml, const std::string& source_name,
+                                    const fs::path& folder) {
+    const SettingsTable document = SettingsTable::parse(toml, source_name);
+    document.allow_keys(simulation_keys());
+    return simulation_of(document, folder);
+}
+
+SimulationSettings simulation_of(const SettingsTable& document, const fs::path& folder) {
     SimulationSettings settings;
     settings.title = read_title(document);
     const auto mesh = document.table("mesh");
@@ -268,7 +285,7 @@ SimulationSettings parse_simulation(const std::string& toml, const std::string& 
     return settings;
 }
 
-SimulationSettings read_simulation(const fs::path& path) {
+std::string text_of_model(const fs::path& path) {
     const auto refuse = [&](const std::string& why) {
         throw Error(
             ErrorCode::input_unreadable,
@@ -278,8 +295,11 @@ SimulationSettings read_simulation(const fs::path& path) {
     std::error_code failed;
     if (fs::file_size(path, failed) > largest_file_bytes) refuse("it is larger than 16 MiB");
     std::ifstream in(path, std::ios::binary);
-    const std::string toml{std::istreambuf_iterator<char>(in), {}};
-    return parse_simulation(toml, path.filename().string(), path.parent_path());
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+SimulationSettings read_simulation(const fs::path& path) {
+    return parse_simulation(text_of_model(path), path.filename().string(), path.parent_path());
 }
 
 }  // namespace palpate

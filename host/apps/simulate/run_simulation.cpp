@@ -4,8 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
+
+#include "solver/sensitivity/history_columns.hpp"
 
 namespace palpate {
 namespace {
@@ -92,9 +96,37 @@ SimulationState rest_state(const PreparedSimulation& prepared, const std::vector
     return state;
 }
 
+/// Of the body at rest.
+StateColumns columns_at_rest(const PreparedSimulation& prepared, Eigen::Index count) {
+    StateColumns columns{Eigen::MatrixXd::Zero(prepared.model.num_dofs(), count), {}};
+    columns.force_mn.assign(prepared.supports.size() + prepared.model.contacts.size(),
+                            Eigen::Matrix3Xd::Zero(3, count));
+    return columns;
+}
+
+/// Sums as those of `support_forces`.
+StateColumns state_columns(const PreparedSimulation& prepared, ColumnsAtTime found) {
+    StateColumns columns = columns_at_rest(prepared, found.displacement.cols());
+    for (std::size_t k = 0; k < prepared.supports.size(); ++k)
+        for (const Index dof : prepared.supports[k].dofs)
+            columns.force_mn[k].row(dof % 3) += found.reaction.row(dof);
+    std::copy(found.contact_force.begin(), found.contact_force.end(),
+              columns.force_mn.begin() + std::ptrdiff_t(prepared.supports.size()));
+    if (prepared.model.mesh.formulation == Formulation::axisymmetric)
+        for (Eigen::Matrix3Xd& force : columns.force_mn) force.row(0).setZero();
+    columns.displacement = std::move(found.displacement);
+    return columns;
+}
+
 void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& times,
-                        const ProgressSink& progress) {
+                        const SimulationDirections& directions, const ProgressSink& progress) {
     const PreparedSimulation& prepared = result.prepared;
+    std::optional<HistoryColumns> columns;
+    if (directions) {
+        columns.emplace(prepared.model, times, directions(prepared, times));
+        result.columns.push_back(
+            columns_at_rest(prepared, Eigen::Index(columns->directions().size())));
+    }
     const ProgressSink inner_progress = [&](const Progress& inner) {
         if (inner.stage.empty()) return check_cancelled(progress);
         const std::size_t step = result.steps.size();
@@ -116,6 +148,8 @@ void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& t
             result.states.push_back(
                 state_of(prepared, solid, found, reached_s, result.element_volume_mm3));
             result.states.back().obstacle_motion_mm = motion_of(times, step, found.load);
+            if (columns && found.converged)
+                result.columns.push_back(state_columns(prepared, columns->advance(solid, found)));
         });
 }
 
@@ -147,7 +181,8 @@ void solve_motion(SimulationResult& result, const std::vector<LoadTime>& times,
 
 }  // namespace
 
-SimulationResult run_simulation(const SimulationSettings& settings, const ProgressSink& progress) {
+SimulationResult run_simulation(const SimulationSettings& settings, const ProgressSink& progress,
+                                const SimulationDirections& directions) {
     const auto begin = std::chrono::steady_clock::now();
     report_progress(progress, "reading", 0, "mesh and loads");
     SimulationResult result;
@@ -163,7 +198,7 @@ SimulationResult run_simulation(const SimulationSettings& settings, const Progre
     if (settings.dynamics)
         solve_motion(result, times, progress);
     else
-        solve_quasi_static(result, times, progress);
+        solve_quasi_static(result, times, directions, progress);
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;

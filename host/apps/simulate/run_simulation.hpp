@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host/apps/simulate/cell_fields.hpp"
 #include "host/apps/simulate/prepared_simulation.hpp"
+#include "solver/sensitivity/history_directions.hpp"
 
 namespace palpate {
 
@@ -23,6 +25,16 @@ struct SimulationState {
     std::vector<Vec3> obstacle_motion_mm;  ///< [obstacles] from where the model has them
     std::vector<double> depth_mm;          ///< [obstacles] how deep the body is in them
 };
+
+/// How a state changes with each of some parameters, per unit of them.
+struct StateColumns {
+    Eigen::MatrixXd displacement;            ///< [3 num_nodes, columns] mm
+    std::vector<Eigen::Matrix3Xd> force_mn;  ///< [holders][3, columns] as `SimulationState`
+};
+
+/// The directions along which states are differentiated.
+using SimulationDirections = std::function<std::vector<HistoryDirection>(
+    const PreparedSimulation& prepared, const std::vector<LoadTime>& times)>;
 
 /// How one step was solved.
 struct SimulationStep {
@@ -40,6 +52,7 @@ struct SimulationResult {
     std::vector<double> element_volume_mm3;
     std::vector<SimulationState> states;  ///< the first is the body at rest
     std::vector<SimulationStep> steps;    ///< the last may not have converged
+    std::vector<StateColumns> columns;    ///< [states] if directions were given, else empty
     double num_explicit_steps = 0, longest_explicit_step_s = 0;  ///< of a motion
     /// Who solved with the last tangent, and who had the element loops; none of a motion.
     std::optional<LinearSolverInfo> tangents;
@@ -60,9 +73,11 @@ struct SimulationResult {
 };
 
 /// Solves for all times, as a motion if the settings ask for it. Not converging is reported in the
-/// last step; the last state is what was reached. Throws Error as `prepare_simulation` and
-/// `solve_history` do.
+/// last step; the last state is what was reached. With `directions`, which a motion does not take,
+/// the states come with their columns, up to the last that converged. Throws Error as
+/// `prepare_simulation`, `solve_history` and `HistoryColumns` do.
 SimulationResult run_simulation(const SimulationSettings& settings,
-                                const ProgressSink& progress = {});
+                                const ProgressSink& progress = {},
+                                const SimulationDirections& directions = {});
 
 }  // namespace palpate

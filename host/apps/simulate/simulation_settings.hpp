@@ -118,4 +118,15 @@ SimulationSettings read_simulation(const std::filesystem::path& path);
 SimulationSettings parse_simulation(const std::string& toml, const std::string& source_name,
                                     const std::filesystem::path& folder);
 
+// The same in parts, for applications whose files hold more than a model:
+/// The text of a model file. Throws Error(input_unreadable).
+std::string text_of_model(const std::filesystem::path& path);
+/// The keys of a model file.
+std::vector<std::string_view> simulation_keys();
+/// [[material]] of `document`, at least one.
+std::vector<MaterialSettings> read_materials(const SettingsTable& document);
+/// What the keys of a model file say in `document`; others are not looked at.
+SimulationSettings simulation_of(const SettingsTable& document,
+                                 const std::filesystem::path& folder);
+
 }  // namespace palpate
