@@ -43,8 +43,17 @@ std::string given_rows(const Application& application, const OptionValues& value
     return rows;
 }
 
+std::string pictures_html(const std::vector<Picture>& pictures) {
+    std::string html;
+    for (const Picture& picture : pictures)
+        html += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>", picture.html,
+                            escape_html(picture.caption));
+    return html.empty() ? html : "<section><div class='figures'>" + html + "</div></section>";
+}
+
 std::string report_of(const Application& application, const OptionValues& values,
-                      const ResultTree& result) {
+                      const Outcome& outcome) {
+    const ResultTree& result = outcome.result;
     const std::string given = "<div class='scroll'><table class='narrow'><tbody>" +
                               given_rows(application, values) + "</tbody></table></div>";
     return page_html({.kind = "palpate " + application.name,
@@ -52,6 +61,7 @@ std::string report_of(const Application& application, const OptionValues& values
                       .headline = escape_html(result.title),
                       .lead = "<p class='summary'>" + escape_html(application.summary) + ".</p>",
                       .main = "<section>" + tree_html(result) + "</section>" +
+                              pictures_html(outcome.pictures) +
                               section_html("given", "What was given", given),
                       .footer = "The same figures for programs: <code>result.json</code>."});
 }
@@ -79,7 +89,8 @@ Outcome run_application(const Application& application, const OptionValues& valu
     report_progress(watched, "writing", 0, "result folder");
     write_folder_atomically(folder, values.flag("overwrite"), [&](const auto& inside) {
         write_text_file(inside / result_file, tree_json(outcome.result));
-        write_text_file(inside / "report.html", report_of(application, values, outcome.result));
+        write_text_file(inside / "report.html", report_of(application, values, outcome));
+        for (const auto& [name, text] : outcome.files) write_text_file(inside / name, text);
     });
     return outcome;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/io/option_values.hpp"
@@ -12,6 +13,12 @@
 
 namespace palpate {
 
+/// A plot of a report.
+struct Picture {
+    std::string html;     ///< inline SVG, with a legend where it needs one
+    std::string caption;  ///< one sentence
+};
+
 /// What a run gives back.
 struct Outcome {
     ResultTree result;
@@ -20,6 +27,9 @@ struct Outcome {
     /// 0, or of a result that is flagged: `exit_code_not_converged`, or the first failure's among
     /// several cases.
     int exit_code = 0;
+    std::vector<Picture> pictures = {};  ///< of the report
+    /// More files of the result folder: name and text.
+    std::vector<std::pair<std::string, std::string>> files = {};
 };
 
 /// What palpate can be used for. From its table of options come its command, its settings as text,
