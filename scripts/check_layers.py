@@ -22,7 +22,7 @@ GEOMETRY = FILES + ["host/geometry/fields", "host/geometry/surfaces", "host/geom
 PAGES = GEOMETRY + ["host/page"]
 APPLICATION = PAGES + ["host/estimate", "host/apps/application"]
 COMPUTING = APPLICATION + ["host/apps/compute_options"]
-APPLICATIONS = ["recover/run", "simulate", "springs", "phantom", "study"]
+APPLICATIONS = ["recover/run", "simulate", "identify", "springs", "phantom", "study"]
 FACES = ["host/apps/application", "host/apps/describe", "host/apps/all"]
 RECOVER = [f"host/apps/recover/{station}"
            for station in ("modelling", "objectives", "inverse", "result", "report", "pipeline")]
@@ -62,6 +62,8 @@ ALLOWED = {
     "host/apps/phantom": COMPUTING + RECOVER[:1],
     "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom"],
     "host/apps/simulate": COMPUTING,
+    # An experiment is a simulation with unknown numbers.
+    "host/apps/identify": COMPUTING + ["host/apps/simulate"],
     "host/apps/recover/run": COMPUTING + RECOVER,
     "host/apps/export": PAGES + RECOVER[:5],
     "host/faces/cli": PAGES + FACES + ["host/apps/export"],

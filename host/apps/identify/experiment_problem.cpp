@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/identify/experiment_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <thread>
+#include <utility>
+
+#include "host/apps/identify/path_direction.hpp"
+#include "solver/base/error.hpp"
+#include "solver/base/serial_blas.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double difference_step = 1e-4;  ///< h, of a logarithm or in prior sd of other scales
+
+/// h on the transformed scale of a parameter.
+double step_of(const Parameter& parameter, double value) {
+    if (parameter.transform != Transform::identity) return difference_step;
+    if (parameter.has_prior()) return std::min(1.0, 100 * difference_step) * parameter.sd;
+    return difference_step * std::max(std::abs(value), 1e-3);
+}
+
+/// The states moved along a column.
+SimulationResult moved_along(const SimulationResult& simulation, int column, double distance) {
+    SimulationResult moved = simulation;
+    for (std::size_t s = 0; s < simulation.columns.size(); ++s) {
+        const StateColumns& columns = simulation.columns[s];
+        moved.states[s].displacement += distance * columns.displacement.col(column);
+        for (std::size_t k = 0; k < columns.force_mn.size(); ++k)
+            moved.states[s].force_mn[k] += distance * columns.force_mn[k].col(column);
+    }
+    return moved;
+}
+
+}  // namespace
+
+ExperimentProblem::ExperimentProblem(const Experiment& experiment,
+                                     std::function<void(SimulationSettings&)> configure, int jobs,
+                                     ProgressSink progress)
+    : experiment_(experiment),
+      configure_(std::move(configure)),
+      jobs_(jobs),
+      progress_(std::move(progress)) {}
+
+std::shared_ptr<const SimulationResult> ExperimentProblem::simulate(
+    const ExperimentSetup& setup) const {
+    if (!setup.simulation) return nullptr;
+    SimulationSettings settings = *setup.simulation;
+    configure_(settings);
+    ++num_simulation_;
+    return std::make_shared<const SimulationResult>(run_simulation(settings));
+}
+
+std::vector<Eigen::VectorXd> ExperimentProblem::read_off(const ExperimentSetup& setup,
+                                                         const SimulationResult* simulation) const {
+    std::vector<Eigen::VectorXd> blocks;
+    for (const auto& data : setup.data)
+        blocks.push_back(data->predicted({setup.materials, simulation}));
+    return blocks;
+}
+
+void ExperimentProblem::simulate_with_columns(const ExperimentSetup& setup,
+                                              ExperimentPrediction& made) const {
+    made.column_of.assign(parameters().size(), -1);
+    if (!setup.simulation || setup.simulation->dynamics) {
+        made.simulation = simulate(setup);
+        return;
+    }
+    SimulationSettings settings = *setup.simulation;
+    configure_(settings);
+    ++num_simulation_;
+    const auto directions = [&](const PreparedSimulation& prepared, const std::vector<LoadTime>&) {
+        std::vector<HistoryDirection> list;
+        for (std::size_t k = 0; k < parameters().size(); ++k)
+            if (auto direction = direction_of(experiment_.paths()[k], prepared)) {
+                made.column_of[k] = static_cast<int>(list.size());
+                list.push_back(std::move(*direction));
+            }
+        return list;
+    };
+    made.simulation =
+        std::make_shared<const SimulationResult>(run_simulation(settings, {}, directions));
+}
+
+PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
+                                             PredictedColumns columns,
+                                             const Prediction* warm) const {
+    check_cancelled(progress_);
+    const bool wants_columns = columns == PredictedColumns::wanted;
+    const auto* earlier = dynamic_cast<const ExperimentPrediction*>(warm);
+    if (earlier && earlier->values == values &&
+        (!wants_columns || earlier->blocks.front().columns.size() > 0))
+        return {std::make_shared<ExperimentPrediction>(*earlier), ""};
+    auto made = std::make_shared<ExperimentPrediction>();
+    made->values = values;
+    const ExperimentSetup setup = experiment_.at(values);
+    if (wants_columns)
+        simulate_with_columns(setup, *made);
+    else
+        made->simulation = simulate(setup);
+    const auto predicted = read_off(setup, made->simulation.get());
+    for (std::size_t k = 0; k < setup.data.size(); ++k) {
+        made->blocks.push_back(setup.data[k]->block());
+        made->blocks.back().predicted = predicted[k];
+    }
+    if (wants_columns) add_columns(*made);
+    return {made, ""};
+}
+
+std::vector<Eigen::VectorXd> ExperimentProblem::predicted_at(
+    double value, std::size_t parameter, const ExperimentPrediction& centre) const {
+    const Eigen::Index k = Eigen::Index(parameter);
+    Eigen::VectorXd values = centre.values;
+    values[k] = value;
+    const ExperimentSetup setup = experiment_.at(values);
+    if (!experiment_.moves_body(parameter)) return read_off(setup, centre.simulation.get());
+    const int column = centre.column_of[parameter];
+    if (column < 0) return read_off(setup, simulate(setup).get());
+    const SimulationResult moved =
+        moved_along(*centre.simulation, column, value - centre.values[k]);
+    return read_off(setup, &moved);
+}
+
+/// One-sided where a side has no solution.
+void ExperimentProblem::set_column(ExperimentPrediction& prediction, std::size_t parameter) const {
+    const Parameter& one = parameters()[parameter];
+    const Eigen::Index k = Eigen::Index(parameter);
+    const double t = to_transformed(one, prediction.values[k]);
+    const double h = step_of(one, prediction.values[k]);
+    const auto side = [&](double sign) -> std::pair<double, std::vector<Eigen::VectorXd>> {
+        const double value = to_value(one, t + sign * h);
+        if (value >= one.lowest && value <= one.highest) try {
+                return {value, predicted_at(value, parameter, prediction)};
+            } catch (const Error& error) {
+                if (error.code() != ErrorCode::solve_failed) throw;
+            }
+        std::vector<Eigen::VectorXd> centre;
+        for (const DataBlock& block : prediction.blocks) centre.push_back(block.predicted);
+        return {prediction.values[k], std::move(centre)};
+    };
+    const auto [low, below] = side(-1);
+    const auto [high, above] = side(1);
+    if (low == high)
+        throw Error(ErrorCode::solve_failed, "no equilibrium on either side of " + label_of(one));
+    for (std::size_t b = 0; b < prediction.blocks.size(); ++b)
+        prediction.blocks[b].columns.col(k) = (above[b] - below[b]) / (high - low);
+}
+
+void ExperimentProblem::add_columns(ExperimentPrediction& prediction) const {
+    const std::size_t count = parameters().size();
+    for (DataBlock& block : prediction.blocks)
+        block.columns.setZero(block.num_row(), Eigen::Index(count));
+    std::atomic<std::size_t> next = 0;
+    std::vector<std::exception_ptr> errors(count);
+    const auto work = [&] {
+        for (std::size_t k = next++; k < count; k = next++) {
+            try {
+                set_column(prediction, k);
+            } catch (...) {
+                errors[k] = std::current_exception();
+            }
+        }
+    };
+    {
+        const SerialBlas serial;
+        std::vector<std::jthread> threads;
+        for (int t = 1; t < std::min<int>(jobs_, int(count)); ++t) threads.emplace_back(work);
+        work();
+    }
+    for (const std::exception_ptr& error : errors)
+        if (error) std::rethrow_exception(error);
+}
+
+}  // namespace palpate

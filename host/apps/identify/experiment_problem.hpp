@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "host/apps/identify/experiment.hpp"
+#include "host/apps/simulate/run_simulation.hpp"
+#include "host/estimate/data_problem.hpp"
+
+namespace palpate {
+
+/// What a model says, with the body that says it.
+struct ExperimentPrediction : Prediction {
+    std::shared_ptr<const SimulationResult> simulation;  ///< null without a mesh
+    /// [num_parameter] column of `simulation->columns` of each; -1: none.
+    std::vector<int> column_of = {};
+};
+
+/// An experiment as an inverse problem: a prediction is a simulation. What is read off it has
+/// columns
+///   dy/dp = dy/du du/dp,   du/dp from HistoryColumns at the cost of a solve each,
+/// for parameters of laws, relaxation and friction; what only changes how a body is read costs no
+/// simulation; for all others two whole simulations, side by side, are compared on the scale on
+/// which the parameter is searched,
+///   d y/d t ~ (y(t + h) - y(t - h)) / 2h.
+class ExperimentProblem : public DataProblem {
+public:
+    /// `experiment` must outlive this. `configure` sets how equations are solved. `jobs`
+    /// simulations run at the same time.
+    ExperimentProblem(const Experiment& experiment,
+                      std::function<void(SimulationSettings&)> configure, int jobs,
+                      ProgressSink progress);
+
+    const std::vector<Parameter>& parameters() const override { return experiment_.parameters(); }
+    PredictionAttempt predict(const Eigen::VectorXd& values, PredictedColumns columns,
+                              const Prediction* warm) const override;
+    /// Simulations so far.
+    int num_simulation() const { return num_simulation_; }
+
+private:
+    std::shared_ptr<const SimulationResult> simulate(const ExperimentSetup& setup) const;
+    void simulate_with_columns(const ExperimentSetup& setup, ExperimentPrediction& made) const;
+    std::vector<Eigen::VectorXd> read_off(const ExperimentSetup& setup,
+                                          const SimulationResult* simulation) const;
+    /// What is predicted where parameter `parameter` has another value.
+    std::vector<Eigen::VectorXd> predicted_at(double value, std::size_t parameter,
+                                              const ExperimentPrediction& centre) const;
+    void add_columns(ExperimentPrediction& prediction) const;
+    void set_column(ExperimentPrediction& prediction, std::size_t parameter) const;
+
+    const Experiment& experiment_;
+    std::function<void(SimulationSettings&)> configure_;
+    int jobs_;
+    ProgressSink progress_;
+    mutable std::atomic<int> num_simulation_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/identify/identify_application.hpp"
+
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "host/apps/compute_options.hpp"
+#include "host/apps/identify/experiment_problem.hpp"
+#include "host/apps/identify/identified_tree.hpp"
+#include "host/apps/identify/planned_problem.hpp"
+#include "host/estimate/multi_start.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::vector<Option> identify_table() {
+    return joined(
+        {{
+             Option::input_file(
+                 "experiment", "A model file of simulate with unknown numbers, and [[data]] (TOML)")
+                 .positional()
+                 .required(),
+             Option::choice("method", {"map", "simplex", "bobyqa"},
+                            "Search: map (Gauss-Newton), or without derivatives, for comparison")
+                 .usually("map"),
+             Option::flag("plan",
+                          "The intervals to expect if what is measured is what the model says at "
+                          "the starts; measured values are not used"),
+             Option::integer("starts", 1, 10000,
+                             "Searches: from the parameters' starts, then from draws of the priors")
+                 .usually(1),
+             Option::output_file("starts_file",
+                                 "Keeps a line for each start; one that is there goes on"),
+             Option::integer("jobs", 1, 256, "Simulations at the same time; default: the cores"),
+         },
+         tangent_options()});
+}
+
+std::vector<StartOutcome> outcomes_in(const std::filesystem::path& file) {
+    std::vector<StartOutcome> outcomes;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);)
+        if (!line.empty()) outcomes.push_back(start_outcome_of(line));
+    return outcomes;
+}
+
+/// Fits from one start or several; fills `found`.
+void search(const DataProblem& problem, const OptionValues& values, IdentifiedExperiment& found,
+            const ProgressSink& progress) {
+    MultiStartOptions options;
+    options.fit.method = fit_method_of(values.text("method"));
+    options.num_start = found.is_plan ? 1 : values.integer("starts");
+    found.num_start = options.num_start;
+    const std::filesystem::path file = values.path("starts_file");
+    if (options.num_start == 1 && file.empty()) {
+        found.fit = fit(problem, options.fit, progress);
+        return;
+    }
+    std::ofstream out;
+    const auto earlier = file.empty() ? std::vector<StartOutcome>{} : outcomes_in(file);
+    const auto keep = [&](const StartOutcome& outcome) {
+        if (file.empty()) return;
+        std::ofstream(file, std::ios::app) << json_line(outcome) << '\n' << std::flush;
+    };
+    MultiStart all = fit_from_starts(problem, options, earlier, keep, progress);
+    found.num_minimum = all.num_minimum;
+    found.fit = std::move(all.best);
+}
+
+void configure(SimulationSettings& settings, const OptionValues& values) {
+    settings.newton.linear = tangents_of(values);
+    settings.newton.loops = {settings.newton.linear.backend, settings.newton.linear.device,
+                             values.text("backend") != "auto"};
+}
+
+Outcome outcome_of(const IdentifiedExperiment& found, const std::filesystem::path& folder) {
+    Outcome outcome{identified_tree(found)};
+    outcome.text = identified_text(found);
+    outcome.pictures = identified_pictures(found);
+    outcome.files = {{"fit.csv", fit_csv(found)}};
+    if (!found.is_plan && found.experiment.has_model())
+        outcome.files.emplace_back("identified.toml",
+                                   found.experiment.model_text(found.fit.values, folder));
+    outcome.exit_code = found.converged() ? 0 : exit_code_not_converged;
+    return outcome;
+}
+
+Outcome run_identify(const OptionValues& values, const ProgressSink& progress) {
+    const auto begin = std::chrono::steady_clock::now();
+    const Experiment experiment = Experiment::read(values.path("experiment"));
+    const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
+    const int jobs = values.is_given("jobs") ? values.integer("jobs") : cores;
+    const ExperimentProblem measured(
+        experiment, [&](SimulationSettings& settings) { configure(settings, values); }, jobs,
+        progress);
+    IdentifiedExperiment found{.experiment = experiment, .is_plan = values.flag("plan")};
+    std::optional<PlannedProblem> planned;
+    if (found.is_plan) planned.emplace(measured);
+    const DataProblem& problem = planned ? static_cast<const DataProblem&>(*planned) : measured;
+    search(problem, values, found, progress);
+    report_progress(progress, "intervals", 0, "");
+    found.identified = identify(problem, found.fit, {}, progress);
+    found.num_simulation = measured.num_simulation();
+    found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return outcome_of(found, values.path("out"));
+}
+
+}  // namespace
+
+Application identify_application() {
+    return {"identify",
+            "Tissue from an experiment: unknown numbers of a model from what was measured",
+            identify_table(), run_identify};
+}
+
+}  // namespace palpate

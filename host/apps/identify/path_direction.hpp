@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/apps/simulate/prepared_simulation.hpp"
+#include "solver/sensitivity/history_directions.hpp"
+
+namespace palpate {
+
+/// The direction along an open number of a model file: parameters of laws, amplitudes and times of
+/// relaxation, friction above 0. Empty for all others, along which whole simulations are compared.
+std::optional<HistoryDirection> direction_of(const std::string& path,
+                                             const PreparedSimulation& prepared);
+
+}  // namespace palpate

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "host/apps/identify/data_kinds.hpp"
+#include "host/apps/identify/signal_data.hpp"
+#include "host/apps/identify/smooth_curve.hpp"
+#include "host/apps/simulate/selection.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// The z_at z(r, t) of a deformed surface, at fixed distances r from the axis: in a plane or
+/// axisymmetric model x of the deformed place is r, y is z.
+class ProfileData final : public MeasuredData {
+public:
+    explicit ProfileData(const DataSource& source)
+        : table_(source.table), times_(source.numbers), r_mm_(source.numbers.values("r_mm")) {
+        const auto where = source.table.table("where");
+        if (!where) source.table.missing("where", "where = {side = \"y-max\"}, for example");
+        surface_ = read_selection(*where);
+        block_.unit = "mm";
+        block_.measured = vector_of(source.numbers.values("z_mm"));
+        block_.sd = read_sd(source, "sd_mm");
+        block_.position_mm = vector_of(r_mm_);
+        if (times_.are_given()) block_.time_s = vector_of(times_.time_s());
+    }
+
+    Eigen::VectorXd predicted(const ExperimentState& state) const override {
+        const SimulationResult& simulation = *state.simulation;
+        const std::vector<Index> nodes = surface_nodes(simulation);
+        std::vector<std::optional<SmoothCurve>> curves(simulation.states.size());
+        Eigen::VectorXd rows(block_.num_row());
+        for (std::size_t row = 0; row < r_mm_.size(); ++row) {
+            const auto [before, after, share] = times_.at(simulation, row, 0);
+            const auto z_at = [&](std::size_t k) {
+                if (!curves[k]) curves[k] = curve_of(simulation, nodes, k);
+                return curves[k]->at(r_mm_[row]);
+            };
+            const double first = z_at(before);
+            rows[Eigen::Index(row)] = first + (after == before ? 0 : share * (z_at(after) - first));
+        }
+        return rows;
+    }
+
+private:
+    /// Ascending along x at rest.
+    std::vector<Index> surface_nodes(const SimulationResult& simulation) const {
+        const SolidMesh& mesh = simulation.mesh();
+        if (mesh.formulation == Formulation::solid)
+            table_.fail("a profile is measured on a plane or axisymmetric body");
+        const auto chosen = selected_nodes(surface_, {mesh, {}});
+        std::vector<Index> nodes;
+        for (Index node = 0; node < mesh.num_nodes(); ++node)
+            if (chosen[node]) nodes.push_back(node);
+        std::sort(nodes.begin(), nodes.end(),
+                  [&](Index a, Index b) { return mesh.nodes[a].x() < mesh.nodes[b].x(); });
+        if (nodes.size() < 3) table_.refuse("where", "allowed: a surface of at least three nodes");
+        return nodes;
+    }
+
+    static SmoothCurve curve_of(const SimulationResult& simulation, const std::vector<Index>& nodes,
+                                std::size_t k) {
+        std::vector<double> r, z;
+        for (const Index node : nodes) {
+            const Vec3 place = simulation.mesh().nodes[node] +
+                               simulation.states[k].displacement.segment<3>(3 * node);
+            if (!r.empty() && !(place.x() > r.back()))
+                throw Error(ErrorCode::solve_failed,
+                            fmt::format("the surface overhangs at {:g} s: z(r) is no function",
+                                        simulation.states[k].time_s));
+            r.push_back(place.x());
+            z.push_back(place.y());
+        }
+        return SmoothCurve(std::move(r), std::move(z));
+    }
+
+    SettingsTable table_;
+    MeasuredTimes times_;
+    std::vector<double> r_mm_;
+    Selection surface_;
+};
+
+}  // namespace
+
+DataKind profile_kind() {
+    return {"profile",
+            "Height of a surface of a plane or axisymmetric body: columns time_s, r_mm, z_mm",
+            {"where", "sd_mm"},
+            [](const DataSource& source) {
+                return std::unique_ptr<MeasuredData>(new ProfileData(source));
+            }};
+}
+
+}  // namespace palpate

@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/identify/experiment.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/apps/identify/experiment_problem.hpp"
+#include "host/apps/identify/planned_problem.hpp"
+#include "host/estimate/fit.hpp"
+#include "host/estimate/identified.hpp"
+#include "tests/unit/report/temporary_folder.hpp"
+#include "tests/unit/simulation/model_text.hpp"
+
+namespace palpate {
+namespace {
+
+class ExperimentTest : public TemporaryFolderTest {
+protected:
+    void SetUp() override {
+        TemporaryFolderTest::SetUp();
+        write("pull.csv", "time_s,force_mn\n0.5,1\n1,2\n");
+    }
+    void write(const std::string& name, const std::string& text) {
+        std::ofstream(folder / name) << text;
+    }
+    Experiment experiment(const std::string& text) const {
+        return Experiment::parse(text, "e.toml", folder);
+    }
+
+    /// A strip between grips; its force at two times.
+    static std::string strip(const std::string& stiffness, const std::string& data) {
+        return "title = \"Strip\"\n[mesh]\nformulation = \"plane-stress\"\nthickness_mm = 2\n"
+               "rectangle = {size_mm = [10, 4], divisions = [4, 2]}\n"
+               "[[material]]\nlaw = \"neo-hookean\"\nstiffness_kpa = " +
+               stiffness +
+               "\npoisson_ratio = 0.3\n"
+               "[[fix]]\nname = \"left\"\nwhere = {side = \"x-min\"}\n"
+               "[[move]]\nname = \"right\"\nwhere = {side = \"x-max\"}\nx_mm = 1\ny_mm = 0\n"
+               "column = \"pull\"\n[history]\ntime_s = [0.5, 1]\npull = [0.5, 1]\n[[data]]\n" +
+               data;
+    }
+    inline static const std::string force =
+        "kind = \"force\"\nfile = \"pull.csv\"\non = \"right\"\ncomponent = \"x\"\nsd_mn = 0.5\n";
+};
+
+TEST_F(ExperimentTest, ListsWhatIsUnknownAndNuisancesInTheirPlaces) {
+    const Experiment found =
+        experiment(strip("\"unknown\"", force + "gain = {value = 1, sd = 0.01}"));
+
+    EXPECT_EQ(found.title(), "Strip");
+    EXPECT_EQ(found.paths(),
+              (std::vector<std::string>{"material[1].stiffness_kpa", "data[1].gain"}));
+    EXPECT_FALSE(found.parameters()[0].is_nuisance);
+    EXPECT_TRUE(found.parameters()[1].is_nuisance);
+    EXPECT_TRUE(found.moves_body(0));
+    EXPECT_FALSE(found.moves_body(1));
+    const ExperimentSetup setup = found.at(Eigen::Vector2d(12, 1.1));
+    EXPECT_EQ(setup.materials[0].material.parameters[0], 12);
+}
+
+TEST_F(ExperimentTest, MistakesAreRefusedWithASentence) {
+    expect_refused([&] { experiment(strip("10", force)); }, {"nothing is \"unknown\""});
+    const std::string model = strip("\"unknown\"", "");
+    expect_refused([&] { experiment(model.substr(0, model.find("[[data]]"))); }, {"[[data]]"});
+    expect_refused(
+        [&] { experiment(strip("\"unknown\"", "kind = \"forces\"\nfile = \"pull.csv\"")); },
+        {"kind", "\"force\""});
+    expect_refused([&] { experiment(strip("\"unknown\"", force + "colour = 3")); }, {"colour"});
+    expect_refused(
+        [&] {
+            experiment(
+                "[[material]]\nlaw = \"neo-hookean\"\nstiffness_kpa = \"unknown\"\npoisson_ratio = "
+                "0.3\n[[data]]\n" +
+                force);
+        },
+        {"[mesh]"});
+    expect_refused(
+        [&] {
+            experiment(
+                strip("\"unknown\"", "kind = \"force\"\nfile = \"none.csv\"\non = \"right\""));
+        },
+        {"none.csv"}, ErrorCode::input_unreadable);
+}
+
+TEST_F(ExperimentTest, WhatDoesNotFitTheModelIsRefusedWhenItIsRead) {
+    const auto predict = [&](const std::string& data) {
+        const Experiment found = experiment(strip("\"unknown\"", data));
+        ExperimentProblem(found, [](SimulationSettings&) {}, 1, {})
+            .predict(starts_of(found.parameters()), PredictedColumns::none, nullptr);
+    };
+    expect_refused(
+        [&] {
+            predict(
+                "kind = \"force\"\nfile = \"pull.csv\"\non = \"top\"\ncomponent = "
+                "\"x\"\nsd_mn = 1");
+        },
+        {"on", "left, right"});
+    write("late.csv", "time_s,force_mn\n3,1\n");
+    expect_refused(
+        [&] {
+            predict(
+                "kind = \"force\"\nfile = \"late.csv\"\non = \"left\"\ncomponent "
+                "= \"x\"\nsd_mn = 1");
+        },
+        {"3 s", "end at 1 s"});
+    write("out.csv", "x_mm,y_mm,ux_mm\n50,1,1\n");
+    expect_refused([&] { predict("kind = \"points\"\nfile = \"out.csv\"\nsd_mm = 1"); },
+                   {"out.csv, line 2", "not in the body"});
+}
+
+TEST_F(ExperimentTest, ColumnsAreTheDerivativesOfWhatIsPredicted) {
+    write("points.csv", "x_mm,y_mm,ux_mm,uy_mm\n5,1,0,0\n7.3,2.5,0,0\n");
+    const Experiment found = experiment(
+        strip("\"unknown\"", force + "gain = {value = 1, sd = 0.01}\ndelay_s = {value = 0, sd = "
+                                     "0.02}\n[[data]]\nkind = \"points\"\nfile = "
+                                     "\"points.csv\"\nsd_mm = 0.1\n"));
+    const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
+    const Eigen::Vector3d values(12, 1.05, 0.01);
+    const auto centre = problem.predict(values, PredictedColumns::wanted, nullptr).prediction;
+
+    for (int k = 0; k < 3; ++k) {
+        const double h = k == 0 ? 0.05 : 1e-3;
+        for (std::size_t b = 0; b < centre->blocks.size(); ++b) {
+            const auto at = [&](double sign) {
+                Eigen::Vector3d moved = values;
+                moved[k] += sign * h;
+                return problem.predict(moved, PredictedColumns::none, nullptr)
+                    .prediction->blocks[b]
+                    .predicted;
+            };
+            const Eigen::VectorXd slope = (at(1) - at(-1)) / (2 * h);
+            EXPECT_LT((centre->blocks[b].columns.col(k) - slope).norm(), 2e-4 * slope.norm() + 1e-9)
+                << "block " << b << ", parameter " << k;
+        }
+    }
+    // Force in equilibrium is proportional to the one modulus, and to the gain.
+    const DataBlock& block = centre->blocks[0];
+    EXPECT_LT((block.columns.col(0) * 12 - block.predicted).norm(), 1e-6 * block.predicted.norm());
+    EXPECT_LT((block.columns.col(1) * 1.05 - block.predicted).norm(),
+              1e-6 * block.predicted.norm());
+}
+
+TEST_F(ExperimentTest, AModulusIsFoundAgainAndAPlanTellsItsInterval) {
+    const Experiment blank = experiment(strip("\"unknown\"", force));
+    const ExperimentProblem truth(blank, [](SimulationSettings&) {}, 1, {});
+    Eigen::VectorXd values(1);
+    values << 17;
+    const auto made = truth.predict(values, PredictedColumns::none, nullptr).prediction;
+    const Eigen::VectorXd y = made->blocks[0].predicted;
+    write("exact.csv",
+          "time_s,force_mn\n0.5," + std::to_string(y[0]) + "\n1," + std::to_string(y[1]) + "\n");
+    std::string data = force;
+    data.replace(data.find("pull.csv"), 8, "exact.csv");
+    const Experiment known =
+        experiment(strip("{unknown = true, start = 17}", data + "discrepancy = false\n"));
+    const ExperimentProblem problem(known, [](SimulationSettings&) {}, 1, {});
+    const Fit best = fit(problem, {});
+    const Identified found = identify(problem, best, {});
+
+    EXPECT_EQ(best.ending, Ending::converged);
+    EXPECT_NEAR(best.values[0], 17, 0.02);
+    // sd ln E = (sum (y / sd)^2)^(-1/2): the force is proportional to E.
+    EXPECT_NEAR(found.parameters[0].sd, 0.5 / y.norm(), 0.02 * 0.5 / y.norm());
+
+    const PlannedProblem planned(problem);
+    const Identified expected = identify(planned, fit(planned, {}), {});
+    EXPECT_NEAR(expected.parameters[0].sd, found.parameters[0].sd, 0.01 * found.parameters[0].sd);
+}
+
+}  // namespace
+}  // namespace palpate
