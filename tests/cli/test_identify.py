@@ -1,0 +1,172 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""palpate identify: examples, real curves, and a clear sentence for each mistake."""
+import csv
+import json
+import math
+
+import numpy
+import pytest
+
+from tests.conftest import DATA, ROOT, run_palpate
+
+EXAMPLES = ROOT / "examples/identify"
+
+
+def identify(experiment, out, *more):
+    finished = run_palpate("identify", experiment, "--out", out, "--quiet", *more)
+    return finished, json.loads((out / "result.json").read_text()) if (out / "result.json").exists() else None
+
+
+def values(result):
+    return {part["path"]: part for part in result["parameters"]}
+
+
+def test_the_strip_is_found_again_and_its_model_runs(tmp_path):
+    finished, result = identify(EXAMPLES / "strip.toml", tmp_path / "out")
+    assert finished.returncode == 0, finished.stderr
+    found = values(result)
+    truth = {"material[1].mu_kpa": 3.0, "material[1].gamma": 4.0,
+             "material[1].relaxation[1].amplitude": 0.6, "material[1].relaxation[1].time_s": 2.5}
+    for path, true in truth.items():
+        low, high = found[path]["interval_95"]
+        assert low < true < high, path
+    assert found["material[1].relaxation[1].time_s"]["verdict"] == "recovered"
+    assert result["converged"]
+    assert (tmp_path / "out/report.html").exists()
+
+    ran = run_palpate("simulate", tmp_path / "out/identified.toml", "--out", tmp_path / "again", "--quiet")
+    assert ran.returncode == 0, ran.stderr
+    with open(tmp_path / "out/fit.csv", newline="") as file:
+        fitted = {float(row["time_s"]): float(row["predicted"]) for row in csv.DictReader(file)}
+    with open(tmp_path / "again/reactions.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    end = float(rows[-1]["right grip_x_mn"])
+    gain = found["data[1].gain"]["value"]
+    assert fitted[10.0] == pytest.approx(gain * end, rel=1e-3)
+
+
+def test_tension_needs_no_mesh(tmp_path):
+    finished, result = identify(EXAMPLES / "tension.toml", tmp_path / "out")
+    assert finished.returncode == 0, finished.stderr
+    found = values(result)
+    assert found["material[1].mu_kpa"]["interval_95"][0] < 0.7 < found["material[1].mu_kpa"]["interval_95"][1]
+    assert found["material[1].gamma"]["interval_95"][0] < 12 < found["material[1].gamma"]["interval_95"][1]
+    assert not (tmp_path / "out/identified.toml").exists()
+
+
+def test_a_plan_uses_no_measured_value(tmp_path):
+    text = (EXAMPLES / "tension.toml").read_text()
+    answers = []
+    for name, change in ("a", 0.0), ("b", 100.0):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "tension.toml").write_text(text)
+        lines = (EXAMPLES / "tension.csv").read_text().splitlines()[1:]  # the first is a comment
+        moved = [lines[0]] + [f"{row.split(',')[0]},{float(row.split(',')[1]) + change}" for row in lines[1:]]
+        (folder / "tension.csv").write_text("\n".join(moved) + "\n")
+        finished, result = identify(folder / "tension.toml", folder / "out", "--plan")
+        assert finished.returncode == 0, finished.stderr
+        answers.append([part["interval_95"] for part in result["parameters"]])
+    assert answers[0] == pytest.approx(numpy.array(answers[1]), rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["simplex", "bobyqa"])
+def test_baselines_find_the_same(tmp_path, method):
+    _, best = identify(EXAMPLES / "tension.toml", tmp_path / "map")
+    finished, result = identify(EXAMPLES / "tension.toml", tmp_path / method, "--method", method)
+    assert finished.returncode == 0, finished.stderr
+    for path, part in values(best).items():
+        assert values(result)[path]["value"] == pytest.approx(part["value"], rel=0.02)
+
+
+def test_starts_go_on_where_they_stopped(tmp_path):
+    file = tmp_path / "starts.jsonl"
+    first, result = identify(EXAMPLES / "tension.toml", tmp_path / "a", "--starts", 2, "--starts-file", file)
+    assert first.returncode == 0, first.stderr
+    kept = file.read_text()
+    assert len(kept.splitlines()) == 2
+    second, more = identify(EXAMPLES / "tension.toml", tmp_path / "b", "--starts", 4, "--starts-file", file)
+    assert second.returncode == 0, second.stderr
+    assert file.read_text().startswith(kept) and len(file.read_text().splitlines()) == 4
+    assert more["search"]["starts"] == 4 and more["search"]["minima"] >= 1
+
+
+def relaxation_experiment(folder, curve, terms):
+    """The force after its peak, in parts of it, with so many exponentials."""
+    rows = list(csv.DictReader(open(curve, newline="")))
+    time, force = (numpy.array([float(row[name]) for row in rows]) for name in ("time_s", "force_N"))
+    peak = int(force.argmax())
+    time, force = time[peak:] - time[peak], force[peak:] / force[peak]
+    keep = numpy.unique(numpy.geomspace(1, len(time), 80).astype(int)) - 1
+    with open(folder / "curve.csv", "w") as file:
+        file.write("time_s,force_mn\n")
+        file.writelines(f"{t},{f}\n" for t, f in zip(time[keep], force[keep]))
+    relaxation = ", ".join(f"{{amplitude = {{unknown = true, start = 0.3, median = 0.3, sd_ln = 1}}, "
+                           f"time_s = {{unknown = true, start = {s}, median = {s}, sd_ln = 0.8}}}}"
+                           for s in (0.3, 3, 30)[:terms])
+    (folder / "relaxation.toml").write_text(f"""
+[[material]]
+law = "neo-hookean"
+stiffness_kpa = 10
+poisson_ratio = 0.4
+relaxation = [{relaxation}]
+[[data]]
+kind = "relaxation"
+file = "curve.csv"
+unit = "1"
+sd = 0.003
+gain = {{unknown = true, start = 0.5}}
+discrepancy = false            # what a model misses shall be seen
+""")
+    return folder / "relaxation.toml"
+
+
+def test_measured_relaxation_needs_more_than_one_exponential(tmp_path):
+    curves = DATA / "tissue_curves/meat_indentation_relaxation"
+    if not curves.is_dir():
+        pytest.skip(f"real data is missing: {curves}; set PALPATE_DATA")
+    evidence, unexplained = [], []
+    for terms in (1, 2, 3):
+        folder = tmp_path / str(terms)
+        folder.mkdir()
+        finished, result = identify(relaxation_experiment(folder, curves / "230407_FF1A.csv", terms), folder / "out")
+        assert finished.returncode in (0, 7), finished.stderr
+        evidence.append(result["search"]["log_evidence"])
+        unexplained.append(result["data"][0]["rms"])
+    assert evidence[0] + 5 < evidence[1] < evidence[2] - 5
+    assert unexplained[1] <= 0.005 and unexplained[2] <= 0.0015 and unexplained[0] > 0.01
+
+
+@pytest.mark.parametrize("change, code, words", [
+    (("mu_kpa = \"unknown\"\ngamma = \"unknown\"", "mu_kpa = 1\ngamma = 2"), 2, "nothing is \"unknown\""),
+    (("sd_kpa = 0.1", ""), 2, "sd_kpa"),
+    (("sd_kpa = 0.1", "sd_kpa = -1"), 2, "greater than 0"),
+    (("\"stress-stretch\"", "\"stress\""), 2, "allowed: \"force\""),
+    (("tension.csv", "nowhere.csv"), 3, "nowhere.csv"),
+    (("\"stress-stretch\"", "\"points\""), 2, "sd_mm"),
+    (("mu_kpa = \"unknown\"", "mu_kpa = {unknown = true, start = -1}"), 2, "greater than 0"),
+    (("mu_kpa = \"unknown\"", "mu_kpa = \"unknwon\""), 2, "mu_kpa"),
+])
+def test_mistakes_get_a_sentence_and_a_code(tmp_path, change, code, words):
+    text = (EXAMPLES / "tension.toml").read_text()
+    assert change[0] in text
+    (tmp_path / "tension.toml").write_text(text.replace(*change))
+    (tmp_path / "tension.csv").write_text((EXAMPLES / "tension.csv").read_text())
+    finished, _ = identify(tmp_path / "tension.toml", tmp_path / "out")
+    assert finished.returncode == code, finished.stderr
+    assert words in finished.stderr and len(finished.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_softer_start_than_any_equilibrium_is_no_end(tmp_path):
+    """Where the model cannot be solved at its start another one is taken."""
+    text = (EXAMPLES / "strip.toml").read_text()
+    changed = text.replace('gamma = "unknown"', "gamma = {unknown = true, start = 4000, median = 5, sd_ln = 1.5}")
+    assert changed != text
+    (tmp_path / "strip.toml").write_text(changed)
+    (tmp_path / "strip.csv").write_text((EXAMPLES / "strip.csv").read_text())
+    finished, result = identify(tmp_path / "strip.toml", tmp_path / "out")
+    assert finished.returncode in (0, 6, 7), finished.stderr
+    if result:
+        assert math.isfinite(values(result)["material[1].gamma"]["value"])
