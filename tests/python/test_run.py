@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.cli.test_simulate import BOX, MATERIAL, SMOOTH_BOX, TOP
+from tests.conftest import ROOT
 
 palpate = pytest.importorskip("palpate", reason="the Python package is not installed: pip install .")
 
@@ -62,6 +63,14 @@ def test_an_unknown_application_and_a_strange_value_are_refused():
         palpate.run("spring")
     with pytest.raises(TypeError, match="an option is"):
         palpate.run("springs", force_mn={})
+
+
+def test_tissue_is_identified_from_python(tmp_path):
+    outcome = palpate.run("identify", experiment=ROOT / "examples/identify/tension.toml", out=tmp_path / "out")
+    found = {part["path"]: part for part in outcome["parameters"]}
+    low, high = found["material[1].gamma"]["interval_95"]
+    assert outcome.converged and low < 12 < high
+    assert (tmp_path / "out/report.html").exists() and (tmp_path / "out/fit.csv").exists()
 
 
 def test_progress_cancels():
