@@ -5,7 +5,7 @@
 
 A file may include its own folder and the folders listed for it, which are written below in the order
 of the layers. See CONTRIBUTING.md for the picture. A unit (a header with the source of the same name)
-may not include, through whatever others, itself.
+may not include, through whatever others, itself. Nor may two headers define types of one name.
 """
 import pathlib
 import re
@@ -146,11 +146,33 @@ def circles():
         yield from walk(unit, [])
 
 
+TYPE = re.compile(r"^(?:struct|class|enum class)\s+(\w+)\b[^;{]*\{", re.MULTILINE)
+NAMESPACE = re.compile(r"^namespace ([\w:]+) \{", re.MULTILINE)
+OTHER_PROGRAMS = ("host/geometry/mesh_tool",)
+
+
+def types_with_one_name():
+    """Types of one name that two headers define in one name space: the linker takes either, without a word."""
+    places = {}
+    for top in ("solver", "host"):
+        for path in sorted((ROOT / top).rglob("*.hpp")):
+            source = path.relative_to(ROOT)
+            if str(source.parent) in OTHER_PROGRAMS:
+                continue
+            text = path.read_text()
+            space = NAMESPACE.search(text)
+            for match in TYPE.finditer(text):
+                places.setdefault((space.group(1) if space else "", match.group(1)), []).append(str(source))
+    for (space, name), sources in places.items():
+        if len(set(sources)) > 1:
+            yield f"{space}::{name} is defined in {' and in '.join(sorted(set(sources)))}"
+
+
 def main():
-    found = list(violations()) + list(circles())
+    found = list(violations()) + list(circles()) + list(types_with_one_name())
     for line in found:
         print(line, file=sys.stderr)
-    print("layers: " + (f"{len(found)} includes against the flow or in a circle" if found else "ok"))
+    print("layers: " + (f"{len(found)} includes against the flow or in a circle, or types of one name" if found else "ok"))
     return 1 if found else 0
 
 

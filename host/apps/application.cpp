@@ -35,7 +35,11 @@ const std::vector<Option>& common_options() {
 std::string given_rows(const Application& application, const OptionValues& values) {
     std::string rows;
     for (const Option& option : application.options) {
-        const auto value = values.setting(option.name);
+        auto value = values.setting(option.name);
+        if (auto* path = value && option.kind >= OptionKind::input_file
+                             ? std::get_if<std::string>(&*value)
+                             : nullptr)
+            *path = std::filesystem::path(*path).filename().string();  // folders name people
         if (value)
             rows += fmt::format("<tr><th>{}</th><td>{} {}</td></tr>", escape_html(option.name),
                                 escape_html(setting_text(*value)), escape_html(option.unit));
@@ -60,8 +64,7 @@ std::string report_of(const Application& application, const OptionValues& values
                       .version = version_text(),
                       .headline = escape_html(result.title),
                       .lead = "<p class='summary'>" + escape_html(application.summary) + ".</p>",
-                      .main = "<section>" + tree_html(result) + "</section>" +
-                              pictures_html(outcome.pictures) +
+                      .main = tree_sections_html(result) + pictures_html(outcome.pictures) +
                               section_html("given", "What was given", given),
                       .footer = "The same figures for programs: <code>result.json</code>."});
 }

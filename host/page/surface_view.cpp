@@ -52,7 +52,7 @@ Json field_json(const ShownField& field) {
             {"right", field.right.empty() ? field.unit : field.right}};
 }
 
-Json surface_json(const ShownSurface& s) {
+Json surface_json(const SurfaceInView& s) {
     Json json{{"name", s.name},      {"colour", s.colour},
               {"shown", s.is_shown}, {"plain", s.is_plain || s.is_glass},
               {"glass", s.is_glass}, {"inside", s.is_inside}};
@@ -69,7 +69,7 @@ Json surface_json(const ShownSurface& s) {
     return json;
 }
 
-void replace_shape(ShownSurface& s, const DerivedShape& derived) {
+void replace_shape(SurfaceInView& s, const DerivedShape& derived) {
     s.shape = {derived.of(s.shape.vertices), derived.triangles};
     for (auto& u : s.displacement)
         if (!u.empty()) u = derived.of(u);
@@ -78,23 +78,23 @@ void replace_shape(ShownSurface& s, const DerivedShape& derived) {
             if (!values.empty()) values = derived.of(values);
 }
 
-std::size_t num_triangles(const std::vector<ShownSurface>& surfaces) {
+std::size_t num_triangles(const std::vector<SurfaceInView>& surfaces) {
     std::size_t count = 0;
-    for (const ShownSurface& s : surfaces) count += s.shape.triangles.size();
+    for (const SurfaceInView& s : surfaces) count += s.shape.triangles.size();
     return count;
 }
 
 /// Thins all surfaces alike until they have few enough triangles.
-void thin(std::vector<ShownSurface>& surfaces, std::size_t most) {
+void thin(std::vector<SurfaceInView>& surfaces, std::size_t most) {
     const std::size_t all = num_triangles(surfaces);
     if (all <= most) return;
-    for (ShownSurface& s : surfaces)
+    for (SurfaceInView& s : surfaces)
         replace_shape(s, thinned_to(most * s.shape.triangles.size() / all, s.shape.vertices,
                                     s.shape.triangles));
 }
 
 /// Round a surface at rest, or in all its states.
-Eigen::AlignedBox3d bounds_of(const ShownSurface& s, double factor, bool only_rest) {
+Eigen::AlignedBox3d bounds_of(const SurfaceInView& s, double factor, bool only_rest) {
     Eigen::AlignedBox3d box;
     for (const Vec3& x : s.shape.vertices) box.extend(x);
     if (only_rest) return box;
@@ -106,7 +106,7 @@ Eigen::AlignedBox3d bounds_of(const ShownSurface& s, double factor, bool only_re
 /// Round what is seen at first, or where that is nothing round all.
 Eigen::AlignedBox3d bounds_of(const SurfaceView& view) {
     Eigen::AlignedBox3d seen, all;
-    for (const ShownSurface& s : view.surfaces) {
+    for (const SurfaceInView& s : view.surfaces) {
         all.extend(bounds_of(s, view.factor, view.has_rest_beside));
         if (s.is_shown && !s.is_glass) seen.extend(bounds_of(s, view.factor, view.has_rest_beside));
     }
@@ -135,7 +135,7 @@ Json view_json(const SurfaceView& view) {
               {"radius_mm", std::max(half.norm(), 1e-3)},
               {"surfaces", Json::array()}};
     for (const ShownField& field : view.fields) json["fields"].push_back(field_json(field));
-    for (const ShownSurface& s : view.surfaces) json["surfaces"].push_back(surface_json(s));
+    for (const SurfaceInView& s : view.surfaces) json["surfaces"].push_back(surface_json(s));
     return json;
 }
 
@@ -170,7 +170,7 @@ std::string surface_viewer_html(const SurfaceView& wanted) {
     thin(view.surfaces, view.most_triangles);
     const std::size_t all = num_triangles(wanted.surfaces), kept = num_triangles(view.surfaces);
     if (view.has_creases)
-        for (ShownSurface& s : view.surfaces)
+        for (SurfaceInView& s : view.surfaces)
             replace_shape(s, split_at_creases(s.shape.vertices, s.shape.triangles));
     const std::string thinned_note =
         kept == all ? ""

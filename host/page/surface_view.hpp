@@ -26,7 +26,7 @@ struct TriangleShape {
     std::vector<Triangle> triangles = {};
 };
 
-struct ShownSurface {
+struct SurfaceInView {
     std::string name = {}, colour = {};  ///< "#rrggbb"
     bool is_shown = true;                ///< at first
     bool is_plain = false;               ///< it has its own colour always, and no outline
@@ -49,7 +49,7 @@ struct SurfaceView {
     std::vector<ShownField> fields = {};
     std::string plain_name = {};    ///< of the surfaces' own colours as a choice; empty: no choice
     std::string outline_name = {};  ///< as a control; empty: no outlines
-    std::vector<ShownSurface> surfaces = {};
+    std::vector<SurfaceInView> surfaces = {};
     std::string note = {};           ///< HTML of the caption
     std::string without_webgl = {};  ///< what to look at instead
     bool has_rest_beside = false;    ///< two panes, the first always at rest

@@ -26,17 +26,26 @@ std::string own_figures_html(const ResultTree& tree) {
     return rows.empty() ? cards : cards + facts_html(rows);
 }
 
-}  // namespace
-
-std::string tree_html(const ResultTree& tree) {
+std::string parts_html(const ResultTree& tree) {
     std::string out;
-    if (tree.shape == ResultTree::Shape::list) return table_of(tree).html();
-    out += own_figures_html(tree);
     for (const ResultTree* part : tree.parts())
         if (!part->title.empty())
             out += fmt::format("<section><h2>{}</h2>{}</section>", escape_html(part->title),
                                tree_html(*part));
     return out;
+}
+
+}  // namespace
+
+std::string tree_html(const ResultTree& tree) {
+    if (tree.shape == ResultTree::Shape::list) return table_of(tree).html();
+    return own_figures_html(tree) + parts_html(tree);
+}
+
+std::string tree_sections_html(const ResultTree& tree) {
+    if (tree.shape == ResultTree::Shape::list) return "<section>" + tree_html(tree) + "</section>";
+    const std::string own = own_figures_html(tree);
+    return (own.empty() ? "" : "<section>" + own + "</section>") + parts_html(tree);
 }
 
 }  // namespace palpate

@@ -13,4 +13,7 @@ namespace palpate {
 /// escaped.
 std::string tree_html(const ResultTree& tree);
 
+/// The same as sections of a page: its own figures in one, each part in its own.
+std::string tree_sections_html(const ResultTree& tree);
+
 }  // namespace palpate

@@ -128,7 +128,8 @@ std::string TreeTable::html(const std::function<std::string(const ResultTree&)>&
         out += "<tr>";
         for (std::size_t c = 0; c < columns.size(); ++c) {
             std::string content = c == 0 && mark_html ? mark_html(*parts[k]) : "";
-            content += columns[c].is_verdict ? verdict_chip(lines[k][c]) : escape_html(lines[k][c]);
+            const bool is_chip = columns[c].is_verdict && lines[k][c] != "–";
+            content += is_chip ? verdict_chip(lines[k][c]) : escape_html(lines[k][c]);
             out += cell("td", columns[c], content);
         }
         out += "</tr>";

@@ -142,7 +142,7 @@ std::vector<Index> used_nodes(std::vector<Triangle>& triangles, std::size_t num_
 }
 
 /// Adds the mirror image about x = 0; what lies there is its own.
-void add_mirror_image(ShownSurface& s) {
+void add_mirror_image(SurfaceInView& s) {
     const auto mirrored = [](std::vector<Vec3>& vectors) {
         const std::size_t count = vectors.size();
         for (std::size_t v = 0; v < count; ++v)
@@ -164,12 +164,12 @@ void add_mirror_image(ShownSurface& s) {
         }
 }
 
-ShownSurface region_surface(const SimulationResult& result, std::size_t region,
-                            const RegionMesh& part, const std::vector<std::size_t>& states) {
+SurfaceInView region_surface(const SimulationResult& result, std::size_t region,
+                             const RegionMesh& part, const std::vector<std::size_t>& states) {
     const std::vector<Index>& labels = result.prepared.labels;
-    ShownSurface s{.name = labels.size() == 1 ? "body" : fmt::format("region {}", labels[region]),
-                   .colour = list_colour(region),
-                   .is_inside = part.is_inside};
+    SurfaceInView s{.name = labels.size() == 1 ? "body" : fmt::format("region {}", labels[region]),
+                    .colour = list_colour(region),
+                    .is_inside = part.is_inside};
     s.shape.triangles = part.triangles;
     const std::vector<Index> nodes = used_nodes(s.shape.triangles, part.mesh.nodes.size());
     for (const Index node : nodes) s.shape.vertices.push_back(part.mesh.nodes[node]);
@@ -192,11 +192,11 @@ ShownSurface region_surface(const SimulationResult& result, std::size_t region,
     return s;
 }
 
-ShownSurface obstacle_surface(const SimulationResult& result, std::size_t obstacle,
-                              const std::vector<std::size_t>& states,
-                              const Eigen::AlignedBox3d& body) {
+SurfaceInView obstacle_surface(const SimulationResult& result, std::size_t obstacle,
+                               const std::vector<std::size_t>& states,
+                               const Eigen::AlignedBox3d& body) {
     const ObstacleSettings& settings = result.settings.obstacles[obstacle];
-    ShownSurface s{.name = settings.name, .colour = list_colour(1), .is_glass = true};
+    SurfaceInView s{.name = settings.name, .colour = list_colour(1), .is_glass = true};
     s.shape =
         obstacle_shape(settings.obstacle, body, result.mesh().formulation != Formulation::solid);
     for (const std::size_t k : states)
@@ -205,24 +205,24 @@ ShownSurface obstacle_surface(const SimulationResult& result, std::size_t obstac
     return s;
 }
 
-std::vector<ShownField> fields_of(const std::vector<ShownSurface>& surfaces) {
+std::vector<ShownField> fields_of(const std::vector<SurfaceInView>& surfaces) {
     constexpr double nearly_all = 0.98;  ///< of the largest displacement, for a rounder number
     constexpr double most = 0.99;  ///< of values per element: those at sharp corners stand out
     const auto largest_of = [&](double part, const auto& values_of) {
         std::vector<double> all;
-        for (const ShownSurface& s : surfaces) values_of(s, all);
+        for (const SurfaceInView& s : surfaces) values_of(s, all);
         return quantile_of_sizes(all, part);
     };
     std::vector<ShownField> fields{{.name = "displacement", .unit = "mm", .is_displacement = true}};
     fields[0].ranges =
-        round_ranges(nearly_all * largest_of(1, [](const ShownSurface& s, auto& all) {
+        round_ranges(nearly_all * largest_of(1, [](const SurfaceInView& s, auto& all) {
                          for (const auto& u : s.displacement)
                              for (const Vec3& v : u) all.push_back(v.norm());
                      }));
     for (std::size_t f = 0; f < cell_values().size(); ++f) {
         const CellField& cell = cell_values()[f];
         fields.push_back(cell.field);
-        const double largest = largest_of(most, [&](const ShownSurface& s, auto& all) {
+        const double largest = largest_of(most, [&](const SurfaceInView& s, auto& all) {
             for (const auto& values : s.values[f + 1])
                 all.insert(all.end(), values.begin(), values.end());
         });
@@ -276,7 +276,7 @@ SurfaceView body_view(const SimulationResult& result) {
     for (std::size_t k = 0; k < result.settings.obstacles.size(); ++k)
         view.surfaces.push_back(obstacle_surface(result, k, states, box));
     if (is_mirrored)
-        for (ShownSurface& s : view.surfaces) add_mirror_image(s);
+        for (SurfaceInView& s : view.surfaces) add_mirror_image(s);
     view.factor =
         enlargement(mesh, largest_displacement(result.states[shown_state(result)]).length_mm);
     view.most_triangles = std::max<std::size_t>(12000, 120000 / states.size());

@@ -50,7 +50,7 @@ inline double area_of(const TriangleShape& shape) {
 
 /// A box that is stretched along x, its right end twice as far as its middle, with a temperature.
 inline SurfaceView stretched_box_view() {
-    ShownSurface box{.name = "box", .colour = "#d55e00"};
+    SurfaceInView box{.name = "box", .colour = "#d55e00"};
     box.shape = box_shape(4);
     std::vector<Vec3> u;
     std::vector<double> warmth;

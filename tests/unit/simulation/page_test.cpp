@@ -37,7 +37,7 @@ TEST(BodyView, HasTheSurfaceWithAllFieldsInAllStates) {
               (std::vector<std::string>{"at rest", "at 50.0 % of the load", "at full load"}));
     EXPECT_EQ(view.first, 2u);
     ASSERT_EQ(view.surfaces.size(), 1u);
-    const ShownSurface& body = view.surfaces[0];
+    const SurfaceInView& body = view.surfaces[0];
     EXPECT_NEAR(area_of(body.shape), 2 * (16 + 8 + 8), 1e-9);
     ASSERT_EQ(body.displacement.size(), 3u);
     ASSERT_EQ(body.values.size(), view.fields.size());

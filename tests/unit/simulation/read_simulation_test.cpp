@@ -140,7 +140,7 @@ TEST(ReadSimulation, MaterialsAreCheckedAgainstTheirTable) {
     expect_complaint(law + "stiffness_kpa = -3\npoisson_ratio = 0.3\n",
                      {"line 5", "'stiffness_kpa' is -3", "above 0 kPa"});
     expect_complaint(law + "stiffness_kpa = \"soft\"\npoisson_ratio = 0.3\n",
-                     {"'stiffness_kpa' is", "soft", "a number"});
+                     {"'stiffness_kpa' is", "soft", "above 0 kPa"});
     expect_complaint(
         law + "stiffness_kpa = 3\npoisson_ratio = 0.3\nrelaxation = [{amplitude = 1}]\n",
         {"[[relaxation]] number 1", "'time_s' is missing"});

@@ -52,8 +52,8 @@ std::vector<double> seen_distances(const SurfaceResult& s, std::vector<double> d
 
 enum FieldNumber { distance, displacement, traction, num_fields };
 
-ShownSurface shown_surface(const RecoveryResult& result, const SurfaceResult& s) {
-    ShownSurface shown{.name = s.name, .colour = region_colour(result, s.region)};
+SurfaceInView shown_surface(const RecoveryResult& result, const SurfaceResult& s) {
+    SurfaceInView shown{.name = s.name, .colour = region_colour(result, s.region)};
     shown.is_plain = s.role == Role::fixed;
     shown.is_shown = !shown.is_plain;
     shown.shape = {s.reference.vertices, s.reference.triangles};
@@ -69,10 +69,10 @@ ShownSurface shown_surface(const RecoveryResult& result, const SurfaceResult& s)
 
 /// The largest over all surfaces of what is below most values of each, but not nothing.
 template <class ValuesOf>
-double largest_of(const std::vector<ShownSurface>& surfaces, const ValuesOf& values_of) {
+double largest_of(const std::vector<SurfaceInView>& surfaces, const ValuesOf& values_of) {
     constexpr double most = 0.97, smallest = 1e-3;
     double largest = smallest;
-    for (const ShownSurface& s : surfaces)
+    for (const SurfaceInView& s : surfaces)
         if (!s.is_plain) largest = std::max(largest, quantile_of_sizes(values_of(s), most));
     return largest;
 }
@@ -147,11 +147,11 @@ SurfaceView recovery_view(const RecoveryResult& result) {
         return round_ranges(largest_of(view.surfaces, values_of)).back();
     };
     const auto values_in = [](FieldNumber field, std::size_t state) {
-        return [=](const ShownSurface& s) {
+        return [=](const SurfaceInView& s) {
             return s.values[field].empty() ? std::vector<double>{} : s.values[field][state];
         };
     };
-    const auto moved = [](const ShownSurface& s) { return lengths_of(s.displacement[1]); };
+    const auto moved = [](const SurfaceInView& s) { return lengths_of(s.displacement[1]); };
     view.fields = {{.name = "distance to target",
                     .unit = "mm",
                     .ranges = distance_ranges(highest(values_in(distance, 0))),
@@ -164,7 +164,7 @@ SurfaceView recovery_view(const RecoveryResult& result) {
                     .is_displacement = true}};
     const bool has_traction =
         std::any_of(view.surfaces.begin(), view.surfaces.end(),
-                    [](const ShownSurface& s) { return !s.values[traction].empty(); });
+                    [](const SurfaceInView& s) { return !s.values[traction].empty(); });
     if (has_traction)
         view.fields.push_back({.name = "surface traction",
                                .unit = "kPa",
