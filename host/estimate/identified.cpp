@@ -149,6 +149,10 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     if (found.parameter.has_prior() && !found.parameter.is_nuisance)
         found.interval = told_interval(found.interval, prior_interval_of(found.parameter), evidence,
                                        found.judgement.verdict);
+    if (!std::isfinite(found.interval[0]) || !std::isfinite(found.interval[1]))
+        found.judgement = {Verdict::not_identifiable,
+                           "nothing that was measured depends on it, and nothing was assumed of it "
+                           "beforehand"};
     return found;
 }
 

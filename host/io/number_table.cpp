@@ -109,6 +109,7 @@ void NumberTable::refuse_row(std::size_t row, const std::string& why) const {
 NumberTable parse_number_table(std::string_view text, const std::string& source_name) {
     NumberTable table;
     table.source = source_name;
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // some programs' mark of UTF-8
     for (std::size_t line = 1; !text.empty(); ++line) {
         const std::size_t end = text.find('\n');
         const std::string_view content = trimmed(text.substr(0, end));

@@ -85,10 +85,12 @@ def test_starts_go_on_where_they_stopped(tmp_path):
     first, result = identify(EXAMPLES / "tension.toml", tmp_path / "a", "--starts", 2, "--starts-file", file)
     assert first.returncode == 0, first.stderr
     kept = file.read_text()
-    assert len(kept.splitlines()) == 2
+    assert len(kept.splitlines()) == 3 and kept.startswith("# starts of ")
     second, more = identify(EXAMPLES / "tension.toml", tmp_path / "b", "--starts", 4, "--starts-file", file)
     assert second.returncode == 0, second.stderr
-    assert file.read_text().startswith(kept) and len(file.read_text().splitlines()) == 4
+    assert file.read_text().startswith(kept) and len(file.read_text().splitlines()) == 5
+    third, _ = identify(EXAMPLES / "tension.toml", tmp_path / "c", "--starts", 2, "--starts-file", file, "--plan")
+    assert third.returncode == 2 and "another experiment" in third.stderr
     assert more["search"]["starts"] == 4 and more["search"]["minima"] >= 1
 
 
@@ -147,6 +149,9 @@ def test_measured_relaxation_needs_more_than_one_exponential(tmp_path):
     (("\"stress-stretch\"", "\"points\""), 2, "sd_mm"),
     (("mu_kpa = \"unknown\"", "mu_kpa = {unknown = true, start = -1}"), 2, "greater than 0"),
     (("mu_kpa = \"unknown\"", "mu_kpa = \"unknwon\""), 2, "mu_kpa"),
+    (("sd_kpa = 0.1", "sd_kpa = {unknown = true, start = 0.1}"), 2, "has to be given"),
+    (("[[data]]", "[[data]]\nname = \"tension\"\nkind = \"stress-stretch\"\nfile = \"tension.csv\"\nsd_kpa = 1\n"
+      "[[data]]"), 2, "names must differ"),
 ])
 def test_mistakes_get_a_sentence_and_a_code(tmp_path, change, code, words):
     text = (EXAMPLES / "tension.toml").read_text()

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <set>
 #include <utility>
 
 #include "host/apps/identify/open_parameter.hpp"
@@ -65,12 +67,27 @@ ExperimentSetup Experiment::read_with(const OpenNumbers& open_numbers) const {
     } else {
         setup.materials = read_materials(document);
     }
+    std::set<std::string> names;
     for (const SettingsTable& table : document.tables(data_key)) {
         setup.data.push_back(read_data(table, setup.data.size() + 1, *tables_));
         if (setup.data.back()->needs_simulation() && !setup.simulation)
             table.fail("such data need a body; give a [mesh]");
+        if (!names.insert(setup.data.back()->block().name).second)
+            table.fail("other data have this name; names must differ");
     }
     return setup;
+}
+
+std::uint64_t Experiment::fingerprint() const {
+    std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
+    const auto add = [&](const void* bytes, std::size_t count) {
+        for (std::size_t k = 0; k < count; ++k)
+            hash = (hash ^ static_cast<const unsigned char*>(bytes)[k]) * 0x100000001b3;
+    };
+    add(text_.data(), text_.size());
+    for (const auto& [file, table] : tables_->all())
+        for (const auto& row : table.rows) add(row.data(), row.size() * sizeof row[0]);
+    return hash;
 }
 
 bool Experiment::moves_body(std::size_t parameter) const {
@@ -78,8 +95,12 @@ bool Experiment::moves_body(std::size_t parameter) const {
 }
 
 ExperimentSetup Experiment::at(const Eigen::VectorXd& values) const {
-    return read_with(
-        [&](const OpenNumber& number) { return values[Eigen::Index(position_.at(number.path))]; });
+    return read_with([&](const OpenNumber& number) {
+        const double value = values[Eigen::Index(position_.at(number.path))];
+        if (!std::isfinite(value))
+            throw Error(ErrorCode::solve_failed, number.path + " has no finite value");
+        return value;
+    });
 }
 
 std::string Experiment::model_text(const Eigen::VectorXd& values, const fs::path& folder) const {

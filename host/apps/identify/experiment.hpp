@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -41,6 +42,8 @@ public:
     const std::vector<Parameter>& parameters() const { return parameters_; }
     /// Where each stands: "material[1].mu_kpa".
     const std::vector<std::string>& paths() const { return paths_; }
+    /// Of the file and its tables: another for other experiments.
+    std::uint64_t fingerprint() const;
     /// Whether the deformation depends on a parameter, or only what is read off it.
     bool moves_body(std::size_t parameter) const;
 

@@ -24,6 +24,13 @@ double step_of(const Parameter& parameter, double value) {
     return difference_step * std::max(std::abs(value), 1e-3);
 }
 
+/// Whether other values may have no such error: no equilibrium, or a number of the file that is not
+/// allowed, a place outside a body that is smaller.
+bool is_of_values(const Error& error) {
+    return error.code() == ErrorCode::solve_failed || error.code() == ErrorCode::invalid_argument ||
+           error.code() == ErrorCode::input_unusable;
+}
+
 /// The states moved along a column.
 SimulationResult moved_along(const SimulationResult& simulation, int column, double distance) {
     SimulationResult moved = simulation;
@@ -95,6 +102,17 @@ PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
     if (earlier && earlier->values == values &&
         (!wants_columns || earlier->blocks.front().columns.size() > 0))
         return {std::make_shared<ExperimentPrediction>(*earlier), ""};
+    try {
+        return {predicted_anew(values, wants_columns), ""};
+    } catch (const Error& error) {
+        // At the start the file itself is wrong.
+        if (!is_of_values(error) || values == starts_of(parameters())) throw;
+        return {nullptr, error.what()};
+    }
+}
+
+std::shared_ptr<const Prediction> ExperimentProblem::predicted_anew(const Eigen::VectorXd& values,
+                                                                    bool wants_columns) const {
     auto made = std::make_shared<ExperimentPrediction>();
     made->values = values;
     const ExperimentSetup setup = experiment_.at(values);
@@ -108,7 +126,7 @@ PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
         made->blocks.back().predicted = predicted[k];
     }
     if (wants_columns) add_columns(*made);
-    return {made, ""};
+    return made;
 }
 
 std::vector<Eigen::VectorXd> ExperimentProblem::predicted_at(
@@ -136,7 +154,7 @@ void ExperimentProblem::set_column(ExperimentPrediction& prediction, std::size_t
         if (value >= one.lowest && value <= one.highest) try {
                 return {value, predicted_at(value, parameter, prediction)};
             } catch (const Error& error) {
-                if (error.code() != ErrorCode::solve_failed) throw;
+                if (!is_of_values(error)) throw;
             }
         std::vector<Eigen::VectorXd> centre;
         for (const DataBlock& block : prediction.blocks) centre.push_back(block.predicted);

@@ -44,6 +44,8 @@ public:
 private:
     std::shared_ptr<const SimulationResult> simulate(const ExperimentSetup& setup) const;
     void simulate_with_columns(const ExperimentSetup& setup, ExperimentPrediction& made) const;
+    std::shared_ptr<const Prediction> predicted_anew(const Eigen::VectorXd& values,
+                                                     bool wants_columns) const;
     std::vector<Eigen::VectorXd> read_off(const ExperimentSetup& setup,
                                           const SimulationResult* simulation) const;
     /// What is predicted where parameter `parameter` has another value.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/page/numbers.hpp"
@@ -12,6 +13,22 @@
 
 namespace palpate {
 namespace {
+
+/// Of what was allowed: then what lies beyond may fit better.
+bool stands_at_an_end(const IdentifiedParameter& one) {
+    const Parameter& parameter = one.parameter;
+    const double room = 1e-3 * std::max(std::abs(one.value), 1e-12);
+    return parameter.transform != Transform::logit &&
+           ((std::isfinite(parameter.lowest) && parameter.lowest != 0 &&
+             one.value - parameter.lowest < room) ||
+            (std::isfinite(parameter.highest) && parameter.highest - one.value < room));
+}
+
+std::string why_text(const IdentifiedParameter& one) {
+    return stands_at_an_end(one) ? "it stands at an end of what was allowed, and what lies beyond "
+                                   "may fit better: believe no interval of this run"
+                                 : one.judgement.reason;
+}
 
 ResultTree parameter_part(const IdentifiedParameter& one, const std::string& path,
                           const std::vector<IdentifiedParameter>& all) {
@@ -28,7 +45,11 @@ ResultTree parameter_part(const IdentifiedParameter& one, const std::string& pat
     part.add(Figure{.name = "unit",
                     .value = one.parameter.unit.empty() ? "1" : one.parameter.unit,
                     .title = "Unit"});
+    part.add(Figure{
+        .value = one.parameter.is_nuisance ? "known beforehand, with an error" : why_text(one),
+        .title = "Why"});
     part.add("is_nuisance", one.parameter.is_nuisance);
+    part.add("stands_at_an_end", stands_at_an_end(one));
     part.add("scale", name_of(one.parameter.transform));
     part.add("sd_on_scale", one.sd);
     part.add("prior_median", one.parameter.median);
@@ -42,11 +63,12 @@ ResultTree parameter_part(const IdentifiedParameter& one, const std::string& pat
     return part;
 }
 
-ResultTree block_part(const BlockFit& block) {
+ResultTree block_part(const BlockFit& block, double noise_sd) {
     ResultTree part{.name = block.name};
     part.add(Figure{.name = "name", .value = block.name, .title = "Data"});
     part.add(Figure{.name = "kind", .value = block.kind, .title = "Kind"});
     part.add(Figure{.name = "rows", .value = std::int64_t(block.num_row), .title = "Rows"});
+    part.add(Figure{.name = "noise_sd", .value = noise_sd, .title = "Noise (sd)"});
     part.add(Figure{.name = "rms", .value = block.rms, .title = "Left unexplained (rms)"});
     part.add(Figure{.name = "discrepancy",
                     .value = block.discrepancy.amplitude,
@@ -86,7 +108,8 @@ ResultTree blocks_tree(const IdentifiedExperiment& found) {
     ResultTree list{.name = "data",
                     .title = found.is_plan ? "" : "How the data are met",
                     .shape = ResultTree::Shape::list};
-    for (const BlockFit& block : found.identified.blocks) list.add(block_part(block));
+    for (std::size_t k = 0; k < found.identified.blocks.size(); ++k)
+        list.add(block_part(found.identified.blocks[k], found.fit.prediction->blocks[k].sd.mean()));
     return list;
 }
 
@@ -122,6 +145,7 @@ ResultTree identified_tree(const IdentifiedExperiment& found) {
     knowledge.add("correlation", rows_of(all.correlation));
     tree.add(std::move(knowledge));
     ResultTree search{.name = "search", .title = "Search"};
+    search.add(Figure{.name = "ending", .value = ending_sentence(found), .title = "Ending"});
     search.add(Figure{.name = "method", .value = name_of(found.fit.method), .title = "Method"});
     search.add(Figure{
         .name = "log_evidence", .value = all.log_evidence, .title = "ln evidence of this model"});
@@ -144,13 +168,17 @@ ResultTree identified_tree(const IdentifiedExperiment& found) {
 std::string identified_text(const IdentifiedExperiment& found) {
     std::string out = table_of(parameters_tree(found), {"path", "value", "unit"}, "-").text();
     if (!found.is_plan)
-        out +=
-            '\n' + table_of(blocks_tree(found),
-                            {"name", "kind", "rows", "rms", "discrepancy", "unit", "outliers"}, "-")
-                       .text();
+        out += '\n' + table_of(blocks_tree(found),
+                               {"name", "kind", "rows", "noise_sd", "rms", "discrepancy", "unit",
+                                "outliers"},
+                               "-")
+                          .text();
     out += '\n';
     if (!found.identified.best_known.words.empty())
         out += harmless(found.identified.best_known.words) + ".\n";
+    for (const IdentifiedParameter& one : found.identified.parameters)
+        if (stands_at_an_end(one))
+            out += "Warning: " + harmless(label_of(one.parameter)) + ": " + why_text(one) + ".\n";
     if (found.num_minimum > 1)
         out += fmt::format("{} starts ended in {} different minima; this is the best.\n",
                            found.num_start, found.num_minimum);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/identify/identify_application.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <fstream>
 #include <string>
@@ -40,13 +42,42 @@ std::vector<Option> identify_table() {
          tangent_options()});
 }
 
-std::vector<StartOutcome> outcomes_in(const std::filesystem::path& file) {
-    std::vector<StartOutcome> outcomes;
-    std::ifstream in(file);
-    for (std::string line; std::getline(in, line);)
-        if (!line.empty()) outcomes.push_back(start_outcome_of(line));
-    return outcomes;
-}
+/// A file of starts: a line that says of what, then a line for each.
+class StartsFile {
+public:
+    StartsFile(std::filesystem::path path, std::string heading)
+        : path_(std::move(path)), heading_(std::move(heading)) {}
+
+    /// Throws Error(invalid_argument) if it is of something else, Error(input_unreadable).
+    std::vector<StartOutcome> read() const {
+        std::vector<StartOutcome> outcomes;
+        std::ifstream in(path_);
+        std::string line;
+        for (int number = 1; std::getline(in, line); ++number) {
+            if (number == 1 && line != heading_)
+                throw Error(ErrorCode::invalid_argument,
+                            path_.string() +
+                                " holds starts of another experiment, method or plan; "
+                                "name another starts_file");
+            if (number > 1 && !line.empty()) outcomes.push_back(start_outcome_of(line));
+        }
+        return outcomes;
+    }
+
+    void keep(const StartOutcome& outcome) const {
+        const bool is_new = !std::filesystem::exists(path_);
+        std::ofstream out(path_, std::ios::app);
+        if (is_new) out << heading_ << '\n';
+        out << json_line(outcome) << '\n' << std::flush;
+        if (!out)
+            throw Error(ErrorCode::output_failed,
+                        "cannot write '" + path_.string() + "'; check its folder and free space");
+    }
+
+private:
+    std::filesystem::path path_;
+    std::string heading_;
+};
 
 /// Fits from one start or several; fills `found`.
 void search(const DataProblem& problem, const OptionValues& values, IdentifiedExperiment& found,
@@ -60,11 +91,12 @@ void search(const DataProblem& problem, const OptionValues& values, IdentifiedEx
         found.fit = fit(problem, options.fit, progress);
         return;
     }
-    std::ofstream out;
-    const auto earlier = file.empty() ? std::vector<StartOutcome>{} : outcomes_in(file);
+    const StartsFile starts(
+        file, fmt::format("# starts of {:016x} by {}{}", found.experiment.fingerprint(),
+                          values.text("method"), found.is_plan ? ", planned" : ""));
+    const auto earlier = file.empty() ? std::vector<StartOutcome>{} : starts.read();
     const auto keep = [&](const StartOutcome& outcome) {
-        if (file.empty()) return;
-        std::ofstream(file, std::ios::app) << json_line(outcome) << '\n' << std::flush;
+        if (!file.empty()) starts.keep(outcome);
     };
     MultiStart all = fit_from_starts(problem, options, earlier, keep, progress);
     found.num_minimum = all.num_minimum;

@@ -62,6 +62,7 @@ public:
     explicit DataTables(std::filesystem::path folder) : folder_(std::move(folder)) {}
     /// Throws Error(input_unreadable).
     const NumberTable& read(const std::string& file);
+    const std::map<std::string, NumberTable>& all() const { return tables_; }
 
 private:
     std::filesystem::path folder_;

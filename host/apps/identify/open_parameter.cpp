@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -22,16 +21,28 @@ struct Typical {
 };
 
 /// Numbers that are no parameter of a law; of soft tissue and glass or steel.
-constexpr std::array<Typical, 3> others{
-    {{"amplitude", 0.5, 1.0}, {"time_s", 3.0, 1.5}, {"friction", 0.3, 1.0}}};
+constexpr Typical of_amplitude{"amplitude", 0.5, 1.0}, of_time{"time_s", 3.0, 1.5},
+    of_friction{"friction", 0.3, 1.0};
 
-Typical typical_of(const std::string& key) {
+/// By where a number stands as well: other tables have keys of the same name.
+Typical typical_of(const OpenNumber& number) {
+    const std::string& key = number.key;
+    if (number.path.starts_with("obstacle[") && key == of_friction.key) return of_friction;
+    if (!number.path.starts_with("material[")) return {key};
+    if (number.path.find("].relaxation[") != number.path.npos)
+        return key == of_amplitude.key ? of_amplitude : of_time;
     for (const MaterialDescription& law : material_laws())
         for (const MaterialParameter& parameter : law.parameters)
             if (parameter.name == key) return {key, parameter.typical, parameter.typical_sd};
-    const auto* at = std::find_if(others.begin(), others.end(),
-                                  [&](const Typical& one) { return one.key == key; });
-    return at == others.end() ? Typical{key} : *at;
+    return {key};
+}
+
+/// What is given in advance or not at all: how a model is solved, and what is noise.
+bool must_be_given(const OpenNumber& number) {
+    const std::string& key = number.key;
+    return number.path.starts_with("newton.") || number.path.starts_with("dynamics.") ||
+           key == "longest_step_s" || key == "sd" || key.starts_with("sd_") ||
+           key.starts_with("correlation_");
 }
 
 /// By the end of a key's name, as everywhere: "mu_kpa" is in kPa.
@@ -64,7 +75,7 @@ Transform transform_of(const OpenNumber& number) {
 }
 
 void take_prior(const OpenNumber& number, Parameter& parameter) {
-    const Typical typical = typical_of(number.key);
+    const Typical typical = typical_of(number);
     if (number.median)
         parameter.median = *number.median;
     else if (typical.sd > 0)
@@ -86,10 +97,11 @@ void take_prior(const OpenNumber& number, Parameter& parameter) {
 }  // namespace
 
 Parameter parameter_of(const OpenNumber& number) {
+    if (must_be_given(number)) refuse(number, "it has to be given; write a number");
+    const std::size_t dot = number.path.rfind('.');
     Parameter parameter{
-        .name = number.key,
-        .object = number.path.substr(
-            0, number.path.rfind('.') == std::string::npos ? 0 : number.path.rfind('.')),
+        .name = dot == std::string::npos ? number.path : number.path.substr(dot + 1),
+        .object = number.path.substr(0, dot == std::string::npos ? 0 : dot),
         .unit = unit_of(number.key)};
     parameter.transform = transform_of(number);
     if (number.range.low > any_number.low) parameter.lowest = number.range.low;

@@ -130,6 +130,11 @@ SignalData::SignalData(const DataSource& source, const std::string& column,
 }
 
 Eigen::VectorXd SignalData::predicted(const ExperimentState& state) const {
+    if (!times_.are_given() && times_.num_row() > 1 && !state.simulation->prepared.is_static)
+        throw Error(ErrorCode::input_unreadable,
+                    block_.name +
+                        ": the file has several rows, but no column 'time_s', and the "
+                        "loads have a [history]; say when each was measured");
     const std::vector<double> values = series(*state.simulation);
     Eigen::VectorXd rows(block_.num_row());
     for (std::size_t row = 0; row < times_.num_row(); ++row) {

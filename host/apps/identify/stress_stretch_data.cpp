@@ -14,6 +14,13 @@ namespace {
 
 enum class Mode { uniaxial, equibiaxial, shear };
 
+/// The body is at rest until 0 s; histories go forward.
+void check_ascending(const NumberTable& numbers, const std::vector<double>& time_s) {
+    for (std::size_t row = 0; row < time_s.size(); ++row)
+        if (time_s[row] < (row == 0 ? 0 : time_s[row - 1]))
+            numbers.refuse_row(row, "times must ascend from 0 s, when the tissue is at rest");
+}
+
 /// The homogeneous deformation of one mode: F with the stretch, or shear, and what is free.
 struct HomogeneousState {
     double stress_kpa = 0;  ///< nominal, P_11 or P_12
@@ -59,6 +66,14 @@ HomogeneousState homogeneous_state(const Law& law, Mode mode, double stretch) {
                 fmt::format("a stretch of {:g} has no state without lateral stress", stretch));
 }
 
+/// Moduli of a sudden strain are 1 + sum C times those of long times.
+double long_term_part(const SolidMaterial& material) {
+    double sum = 1;
+    if (material.is_instantaneous)
+        for (const RelaxationTerm& term : material.relaxation) sum += term.amplitude;
+    return 1 / sum;
+}
+
 /// Nominal stress over stretch (or shear) of one piece of tissue that deforms alike everywhere, its
 /// sides free. With times the isochoric stress relaxes,
 ///   S_1(t) = [a S](t) + l_3^2 / l_1^2 [(1 - a) S l_1^2 / l_3^2](t),   [f] = f + sum C h,
@@ -79,6 +94,7 @@ public:
         block_.sd = read_sd(source, "sd_kpa");
         if (source.numbers.find("time_s")) {
             time_s_ = source.numbers.values("time_s");
+            check_ascending(source.numbers, time_s_);
             block_.time_s = vector_of(time_s_);
         } else {
             block_.position_mm = vector_of(stretch_);  // nearby stretches err alike
@@ -96,9 +112,8 @@ public:
         });
         std::vector<double> stress;
         for (const HomogeneousState& one : states) stress.push_back(one.stress_kpa);
-        if (!time_s_.empty() && !material.relaxation.empty())
-            stress = relaxed(states, material.relaxation);
-        return gain_ * vector_of(stress);
+        if (!time_s_.empty() && !material.relaxation.empty()) stress = relaxed(states, material);
+        return gain_ * long_term_part(material) * vector_of(stress);
     }
 
 private:
@@ -131,8 +146,12 @@ private:
     }
 
     std::vector<double> relaxed(const std::vector<HomogeneousState>& states,
-                                const std::vector<RelaxationTerm>& terms) const {
-        const double own = mode_ == Mode::uniaxial ? 2.0 / 3 : 1.0 / 3;
+                                const SolidMaterial& material) const {
+        const std::vector<RelaxationTerm>& terms = material.relaxation;
+        // Of all of S nothing is left across, so a = 1.
+        const double own = material.relaxation_of == RelaxationOf::total ? 1.0
+                           : mode_ == Mode::uniaxial                     ? 2.0 / 3
+                                                                         : 1.0 / 3;
         std::vector<double> along, across, ratio;
         for (std::size_t k = 0; k < states.size(); ++k) {
             const double s = states[k].stress_kpa / stretch_[k];
@@ -166,6 +185,11 @@ public:
             vector_of(source.numbers.values(source.table.text("column").value_or("force_mn")));
         block_.sd = read_sd(source, "sd");
         block_.time_s = vector_of(time_s_);
+        for (std::size_t row = 0; row < time_s_.size(); ++row)
+            if (time_s_[row] < begin_s_)
+                source.numbers.refuse_row(row,
+                                          "a time is before begin_s, from which on the "
+                                          "deformation is held");
     }
 
     bool needs_simulation() const override { return false; }
@@ -177,7 +201,7 @@ public:
             double factor = 1;
             for (const RelaxationTerm& term : material.relaxation)
                 factor += term.amplitude * std::exp(-(time_s_[k] - begin_s_) / term.time_s);
-            rows[Eigen::Index(k)] = gain_ * factor;
+            rows[Eigen::Index(k)] = gain_ * long_term_part(material) * factor;
         }
         return rows;
     }
