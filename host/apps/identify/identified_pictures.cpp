@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "host/apps/identify/identified_tree.hpp"
 #include "host/page/legend.hpp"

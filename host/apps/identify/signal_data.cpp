@@ -3,86 +3,13 @@
 #include "host/apps/identify/signal_data.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "host/apps/identify/data_kinds.hpp"
-#include "host/apps/identify/mesh_probe.hpp"
 #include "host/apps/simulate/setting_values.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
-namespace {
-
-/// Resultant of a support or an obstacle on the body.
-class ForceData final : public SignalData {
-public:
-    explicit ForceData(const DataSource& source)
-        : SignalData(source, "force_mn", "sd_mn", "mN"),
-          table_(source.table),
-          component_(read_component(source.table)) {
-        const auto on = source.table.text("on");
-        if (!on) source.table.missing("on", "the name of a support or an obstacle");
-        on_ = *on;
-    }
-
-private:
-    std::vector<double> series(const SimulationResult& simulation) const override {
-        const std::size_t holder = holder_of(simulation);
-        std::vector<double> force;
-        for (const SimulationState& state : simulation.states)
-            force.push_back(state.force_mn[holder][component_]);
-        return force;
-    }
-
-    std::size_t holder_of(const SimulationResult& simulation) const {
-        std::vector<std::string> names;
-        for (std::size_t k = 0; k < simulation.num_holders(); ++k) {
-            if (simulation.holder_name(k) == on_) return k;
-            names.push_back(simulation.holder_name(k));
-        }
-        table_.refuse("on",
-                      fmt::format("allowed: what holds the body: {}", fmt::join(names, ", ")));
-    }
-
-    SettingsTable table_;
-    std::string on_;
-    int component_ = 0;
-};
-
-/// How far one place of the body moved.
-class DisplacementData final : public SignalData {
-public:
-    explicit DisplacementData(const DataSource& source)
-        : SignalData(source, "displacement_mm", "sd_mm", "mm"),
-          table_(source.table),
-          place_(needed_vector(source.table, "at_mm")),
-          component_(read_component(source.table)) {}
-
-private:
-    std::vector<double> series(const SimulationResult& simulation) const override {
-        const auto found = MeshProbe(simulation.mesh()).find(place_);
-        if (!found) table_.refuse("at_mm", "allowed: a place in the body at rest");
-        std::vector<double> moved;
-        for (const SimulationState& state : simulation.states)
-            moved.push_back(found->displacement(state.displacement)[component_]);
-        return moved;
-    }
-
-    SettingsTable table_;
-    Vec3 place_;
-    int component_ = 0;
-};
-
-const std::vector<std::string_view> signal_keys(std::vector<std::string_view> own) {
-    for (const std::string_view key : {"column", "gain", "delay_s", "component"})
-        own.push_back(key);
-    return own;
-}
-
-}  // namespace
-
 MeasuredTimes::MeasuredTimes(const NumberTable& numbers) : num_row_(numbers.rows.size()) {
     if (!numbers.find("time_s")) return;
     time_s_ = numbers.values("time_s");
@@ -151,18 +78,10 @@ int read_component(const SettingsTable& table) {
     return component->front() - 'x';
 }
 
-DataKind force_kind() {
-    return {"force", "Force of a support or an obstacle on the body: columns time_s, force_mn",
-            signal_keys({"on", "sd_mn"}), [](const DataSource& source) {
-                return std::unique_ptr<MeasuredData>(new ForceData(source));
-            }};
-}
-
-DataKind displacement_kind() {
-    return {"displacement", "How far one place of the body moved: columns time_s, displacement_mm",
-            signal_keys({"at_mm", "sd_mm"}), [](const DataSource& source) {
-                return std::unique_ptr<MeasuredData>(new DisplacementData(source));
-            }};
+std::vector<std::string_view> signal_keys(std::vector<std::string_view> own) {
+    for (const std::string_view key : {"column", "gain", "delay_s", "component"})
+        own.push_back(key);
+    return own;
 }
 
 }  // namespace palpate

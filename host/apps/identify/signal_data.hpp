@@ -49,6 +49,8 @@ private:
     double gain_ = 1, delay_s_ = 0;
 };
 
+/// The keys of a signal beside `own` ones.
+std::vector<std::string_view> signal_keys(std::vector<std::string_view> own);
 /// 0, 1, 2 of `component = "x"`. Throws Error(invalid_argument).
 int read_component(const SettingsTable& table);
 

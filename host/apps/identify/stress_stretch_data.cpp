@@ -66,14 +66,6 @@ HomogeneousState homogeneous_state(const Law& law, Mode mode, double stretch) {
                 fmt::format("a stretch of {:g} has no state without lateral stress", stretch));
 }
 
-/// Moduli of a sudden strain are 1 + sum C times those of long times.
-double long_term_part(const SolidMaterial& material) {
-    double sum = 1;
-    if (material.is_instantaneous)
-        for (const RelaxationTerm& term : material.relaxation) sum += term.amplitude;
-    return 1 / sum;
-}
-
 /// Nominal stress over stretch (or shear) of one piece of tissue that deforms alike everywhere, its
 /// sides free. With times the isochoric stress relaxes,
 ///   S_1(t) = [a S](t) + l_3^2 / l_1^2 [(1 - a) S l_1^2 / l_3^2](t),   [f] = f + sum C h,
@@ -172,46 +164,6 @@ private:
     std::vector<double> stretch_, time_s_;
 };
 
-/// The force of a held deformation, falling: gain (1 + sum C exp(-(t - t_0)/tau)).
-class RelaxationData final : public MeasuredData {
-public:
-    explicit RelaxationData(const DataSource& source)
-        : tissue_(source.table),
-          gain_(source.table.number("gain", {0, any_number.high, true}).value_or(1)),
-          begin_s_(source.table.number("begin_s", any_number).value_or(0)),
-          time_s_(source.numbers.values("time_s")) {
-        block_.unit = source.table.text("unit").value_or("mN");
-        block_.measured =
-            vector_of(source.numbers.values(source.table.text("column").value_or("force_mn")));
-        block_.sd = read_sd(source, "sd");
-        block_.time_s = vector_of(time_s_);
-        for (std::size_t row = 0; row < time_s_.size(); ++row)
-            if (time_s_[row] < begin_s_)
-                source.numbers.refuse_row(row,
-                                          "a time is before begin_s, from which on the "
-                                          "deformation is held");
-    }
-
-    bool needs_simulation() const override { return false; }
-
-    Eigen::VectorXd predicted(const ExperimentState& state) const override {
-        const SolidMaterial& material = tissue_.material_in(state.materials);
-        Eigen::VectorXd rows(block_.num_row());
-        for (std::size_t k = 0; k < time_s_.size(); ++k) {
-            double factor = 1;
-            for (const RelaxationTerm& term : material.relaxation)
-                factor += term.amplitude * std::exp(-(time_s_[k] - begin_s_) / term.time_s);
-            rows[Eigen::Index(k)] = gain_ * long_term_part(material) * factor;
-        }
-        return rows;
-    }
-
-private:
-    TissueOfData tissue_;
-    double gain_ = 1, begin_s_ = 0;
-    std::vector<double> time_s_;
-};
-
 }  // namespace
 
 DataKind stress_stretch_kind() {
@@ -221,16 +173,6 @@ DataKind stress_stretch_kind() {
             {"material", "mode", "gain", "sd_kpa"},
             [](const DataSource& source) {
                 return std::unique_ptr<MeasuredData>(new StressStretchData(source));
-            }};
-}
-
-DataKind relaxation_kind() {
-    return {"relaxation",
-            "Force of a deformation that is held from begin_s on, in any unit: columns time_s, "
-            "force_mn",
-            {"material", "column", "unit", "gain", "begin_s", "sd"},
-            [](const DataSource& source) {
-                return std::unique_ptr<MeasuredData>(new RelaxationData(source));
             }};
 }
 

@@ -9,6 +9,14 @@
 
 namespace palpate {
 
+/// Moduli of a sudden strain are 1 + sum C times those of long times.
+inline double long_term_part(const SolidMaterial& material) {
+    double sum = 1;
+    if (material.is_instantaneous)
+        for (const RelaxationTerm& term : material.relaxation) sum += term.amplitude;
+    return 1 / sum;
+}
+
 /// The [[material]] that data are of: `material = 2` is its region; the only one if not given.
 class TissueOfData {
 public:
