@@ -142,6 +142,41 @@ TEST_F(ExperimentTest, ColumnsAreTheDerivativesOfWhatIsPredicted) {
               1e-6 * block.predicted.norm());
 }
 
+TEST_F(ExperimentTest, DisplacementsAndProfilesAreThoseOfTheDeformedBody) {
+    // A block between smooth plates, stretched by a tenth along x: ux = 0.1 x, and its top sinks
+    // alike.
+    write("u.csv", "time_s,displacement_mm\n0.5,0\n1,0\n");
+    write("z.csv", "time_s,r_mm,z_mm\n0.5,1,0\n1,1,0\n1,7.7,0\n");
+    const Experiment found = experiment(
+        "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [10, 4], divisions = [8, "
+        "4]}\n[[material]]\nlaw = \"neo-hookean\"\nstiffness_kpa = \"unknown\"\npoisson_ratio = "
+        "0.3\n[[fix]]\nname = \"left\"\nwhere = {side = \"x-min\"}\ncomponents = \"x\"\n"
+        "[[fix]]\nname = \"base\"\nwhere = {side = \"y-min\"}\ncomponents = \"y\"\n"
+        "[[move]]\nname = \"right\"\nwhere = {side = \"x-max\"}\nx_mm = 1\ncolumn = \"pull\"\n"
+        "[history]\ntime_s = [0.5, 1]\npull = [0.5, 1]\n"
+        "[[data]]\nkind = \"displacement\"\nfile = \"u.csv\"\nat_mm = [3.3, 1.9]\ncomponent = "
+        "\"x\"\nsd_mm = 0.1\ngain = 2\n"
+        "[[data]]\nkind = \"profile\"\nfile = \"z.csv\"\nwhere = {side = \"y-max\"}\nsd_mm = "
+        "0.1\n");
+    const ExperimentProblem problem(found, [](SimulationSettings&) {}, 1, {});
+    const auto made = std::dynamic_pointer_cast<const ExperimentPrediction>(
+        problem.predict(starts_of(found.parameters()), PredictedColumns::none, nullptr).prediction);
+
+    EXPECT_NEAR(made->blocks[0].predicted[0], 2 * 0.05 * 3.3, 1e-9);
+    EXPECT_NEAR(made->blocks[0].predicted[1], 2 * 0.10 * 3.3, 1e-9);
+    const SolidMesh& mesh = made->simulation->mesh();
+    Index corner = 0;  // of the top and the right
+    for (Index n = 0; n < mesh.num_nodes(); ++n)
+        if (mesh.nodes[n].x() > 10 - 1e-9 && mesh.nodes[n].y() > 4 - 1e-9) corner = n;
+    const auto height = [&](std::size_t state) {
+        return 4 + made->simulation->states[state].displacement[3 * corner + 1];
+    };
+    EXPECT_LT(height(2), 4 - 0.05);
+    EXPECT_NEAR(made->blocks[1].predicted[0], height(1), 1e-9);
+    EXPECT_NEAR(made->blocks[1].predicted[1], height(2), 1e-9);
+    EXPECT_NEAR(made->blocks[1].predicted[2], height(2), 1e-9);
+}
+
 TEST_F(ExperimentTest, AModulusIsFoundAgainAndAPlanTellsItsInterval) {
     const Experiment blank = experiment(strip("\"unknown\"", force));
     const ExperimentProblem truth(blank, [](SimulationSettings&) {}, 1, {});

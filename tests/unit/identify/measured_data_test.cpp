@@ -26,6 +26,7 @@ protected:
     static std::vector<MaterialSettings> tissue(std::vector<RelaxationTerm> relaxation = {}) {
         MaterialSettings one;
         one.material = {"veronda-westmann", {2, 5, 1e6}, std::move(relaxation)};
+        one.material.relaxation_of = RelaxationOf::isochoric;
         return {one};
     }
 
@@ -71,6 +72,37 @@ TEST_F(MeasuredDataTest, StressOfAHeldStretchRelaxesToThatOfTheLaw) {
     EXPECT_NEAR(stress[0], 1.5 * rest, 1e-3 * rest);
     EXPECT_NEAR(stress[1], (1 + 0.5 * std::exp(-1)) * rest, 1e-3 * rest);
     EXPECT_NEAR(stress[2], rest, 1e-3 * rest);
+}
+
+TEST_F(MeasuredDataTest, ModuliOfASuddenStrainAndRelaxationOfAllStressAreHeard) {
+    const auto found = data("kind = \"stress-stretch\"\nsd_kpa = 0.1\n",
+                            "time_s,stretch,stress_kpa\n0.001,1.2,0\n2.001,1.2,0\n100,1.2,0\n");
+    auto materials = tissue({{0.5, 2}});
+    const Eigen::VectorXd isochoric = found->predicted({materials});
+    materials[0].material.is_instantaneous = true;
+    const Eigen::VectorXd instantaneous = found->predicted({materials});
+    EXPECT_LT((1.5 * instantaneous - isochoric).norm(), 1e-12 * isochoric.norm());
+    EXPECT_NEAR(instantaneous[0], uniaxial(1.2), 1e-3 * uniaxial(1.2));
+
+    // Held, both relax alike; on the way back up [f l^2 / l_3^2] is not [f] l^2 / l_3^2.
+    const auto moved = data("kind = \"stress-stretch\"\nsd_kpa = 0.1\n",
+                            "time_s,stretch,stress_kpa\n0.001,1.4,0\n1,1.4,0\n1.001,1.1,0\n");
+    materials = tissue({{0.5, 2}});
+    const double of_shape = moved->predicted({materials})[2];
+    materials[0].material.relaxation_of = RelaxationOf::total;
+    EXPECT_GT(std::abs(moved->predicted({materials})[2] - of_shape), 0.01 * std::abs(of_shape));
+}
+
+TEST_F(MeasuredDataTest, TimesThatRunBackAreNamed) {
+    expect_refused(
+        [&] {
+            data("kind = \"stress-stretch\"\nsd_kpa = 1\n",
+                 "time_s,stretch,stress_kpa\n1,1.1,1\n0.5,1.2,1\n");
+        },
+        {"m.csv, line 3", "ascend"}, ErrorCode::input_unreadable);
+    expect_refused(
+        [&] { data("kind = \"relaxation\"\nsd = 1\nbegin_s = 2\n", "time_s,force_mn\n1,5\n"); },
+        {"m.csv, line 2", "begin_s"}, ErrorCode::input_unreadable);
 }
 
 TEST_F(MeasuredDataTest, ForceOfAHeldToolFallsWithTheTerms) {
