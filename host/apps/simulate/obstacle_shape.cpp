@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/apps/simulate/obstacle_outline.hpp"
+
 namespace palpate {
 namespace {
 
@@ -31,6 +33,36 @@ TriangleShape net(Index rows, Index columns, bool has_poles, const Place& place)
     return shape;
 }
 
+/// A tube or punch in a plane: both halves of its section, each a convex polygon.
+TriangleShape section_of(const Obstacle& obstacle, double far_mm) {
+    const Vec3 along = obstacle.direction.normalized(), right(along.y(), -along.x(), 0);
+    std::vector<Eigen::Vector2d> line = outline_of(obstacle, far_mm);
+    if (obstacle.shape == ObstacleShape::punch) line.emplace_back(0, -far_mm);
+    const Index count = static_cast<Index>(line.size());
+    TriangleShape shape;
+    for (const double side : {1.0, -1.0}) {
+        const Index first = static_cast<Index>(shape.vertices.size());
+        for (const Eigen::Vector2d& at : line)
+            shape.vertices.push_back(obstacle.place + side * at.x() * right + at.y() * along);
+        for (Index k = 1; k + 1 < count; ++k)
+            shape.triangles.push_back({first, first + k, first + k + 1});
+    }
+    return shape;
+}
+
+/// A tube or punch in space: its outline turned round its axis.
+TriangleShape turned_outline(const Obstacle& obstacle, double far_mm, const Vec3& along,
+                             const Vec3& right, const Vec3& up) {
+    const std::vector<Eigen::Vector2d> line = outline_of(obstacle, far_mm);
+    const Index rows = static_cast<Index>(line.size()) - 1;
+    return net(rows, 48, false, [&](double row, double column) {
+        const Eigen::Vector2d& at = line[static_cast<std::size_t>(std::lround(row * rows))];
+        const double around = 2 * std::numbers::pi * column;
+        return Vec3(obstacle.place + at.y() * along +
+                    at.x() * (std::cos(around) * right + std::sin(around) * up));
+    });
+}
+
 }  // namespace
 
 TriangleShape obstacle_shape(const Obstacle& obstacle, const Eigen::AlignedBox3d& body,
@@ -41,6 +73,9 @@ TriangleShape obstacle_shape(const Obstacle& obstacle, const Eigen::AlignedBox3d
     const Vec3 along = obstacle.direction.normalized(), right = along.unitOrthogonal(),
                up = along.cross(right);
     const Vec3 offset = body.center() - obstacle.place;
+    if (has_edge(obstacle.shape))
+        return is_plane ? section_of(obstacle, reach)
+                        : turned_outline(obstacle, reach, along, right, up);
     if (obstacle.shape == ObstacleShape::plane) {
         const Vec3 middle = body.center() - offset.dot(along) * along;
         TriangleShape shape{{}, {{0, 1, 2}, {0, 2, 3}}};

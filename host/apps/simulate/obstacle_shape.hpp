@@ -10,7 +10,8 @@
 namespace palpate {
 
 /// The surface of an obstacle beside a body in this box; what has no end ends a little beyond it.
-/// In a plane, cylinders are drawn as spheres, whose rims are the same circles.
+/// In a plane, cylinders are drawn as spheres, whose rims are the same circles, and of tubes and
+/// punches their section.
 TriangleShape obstacle_shape(const Obstacle& obstacle, const Eigen::AlignedBox3d& body,
                              bool is_plane);
 
