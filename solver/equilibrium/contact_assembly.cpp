@@ -71,6 +71,11 @@ struct ContactAssembly::Slopes {
     Vec3 by_coefficient;  ///< of friction
 };
 
+/// How a point's traction depends on the sizes of its obstacle.
+struct ContactAssembly::SizeSlopes {
+    Eigen::Matrix<double, 3, 4> traction, friction;
+};
+
 ContactAssembly::ContactAssembly(const SolidModel& model) : model_(model) {
     for (std::size_t c = 0; c < model.contacts.size(); ++c)
         for (const Face& face : model.contacts[c].faces)
@@ -191,6 +196,22 @@ ContactAssembly::Slopes ContactAssembly::slopes_at(const Point& point,
     return slopes;
 }
 
+ContactAssembly::SizeSlopes ContactAssembly::size_slopes_at(const Point& point,
+                                                            const Eigen::VectorXd& u) const {
+    const Contact& contact = model_.contacts[point.contact];
+    const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
+    const auto traction = contact_traction(contact, size_variables(contact.obstacle), constants(y),
+                                           constants(point.place_before),
+                                           constants(point.friction_before), std::nullopt);
+    SizeSlopes slopes;
+    for (int i = 0; i < 3; ++i) {
+        slopes.friction.row(i) = traction.friction[i].derivatives().transpose();
+        slopes.traction.row(i) =
+            traction.pressure[i].derivatives().transpose() + slopes.friction.row(i);
+    }
+    return slopes;
+}
+
 void ContactAssembly::add_stiffness(const Point& point, const Mat3& stiffness,
                                     BlockMatrix& matrix) const {
     const Face& face = *point.face;
@@ -302,6 +323,8 @@ Eigen::MatrixXd ContactAssembly::force_changes(const Eigen::VectorXd& u,
             Vec3 traction = slopes.traction * start_change(k, changes[c]);
             if (!changes[c].coefficient.empty())
                 traction += changes[c].coefficient[point.contact] * slopes.by_coefficient;
+            if (!changes[c].sizes.empty())
+                traction += size_slopes_at(point, u).traction * changes[c].sizes[point.contact];
             for (std::size_t a = 0; a < point.face->size(); ++a)
                 // df_a = -A N_a d(p n + t)
                 sum.col(static_cast<Eigen::Index>(c)).segment<3>(3 * (*point.face)[a]) -=
@@ -323,11 +346,17 @@ std::vector<ContactStateChange> ContactAssembly::state_changes(
         for (std::size_t c = 0; c < changes.size(); ++c) {
             Eigen::Matrix<double, 9, 1> by = start_change(k, changes[c]);
             by.head<3>() += at_point(point, du.col(static_cast<Eigen::Index>(c)));
-            Vec3 more = Vec3::Zero();
+            Vec3 more = Vec3::Zero();  // of friction
+            Vec3 pressure = Vec3::Zero();
             if (!changes[c].coefficient.empty())
                 more = changes[c].coefficient[point.contact] * slopes.by_coefficient;
+            if (!changes[c].sizes.empty()) {
+                const SizeSlopes by_size = size_slopes_at(point, u);
+                more += by_size.friction * changes[c].sizes[point.contact];
+                pressure = (by_size.traction - by_size.friction) * changes[c].sizes[point.contact];
+            }
             // dF = sum A d(p n + t), and dt for the next step
-            result[c].force[point.contact] += point.area * (slopes.traction * by + more);
+            result[c].force[point.contact] += point.area * (slopes.traction * by + more + pressure);
             result[c].friction.push_back(slopes.friction * by + more);
         }
     }
@@ -364,16 +393,7 @@ ContactGradient ContactAssembly::start_gradient(const Eigen::VectorXd& u,
 std::vector<Eigen::MatrixXd> ContactAssembly::shape_forces(const Eigen::VectorXd& u) const {
     std::vector<Eigen::MatrixXd> forces(model_.contacts.size(), Eigen::MatrixXd::Zero(u.size(), 4));
     for (const Point& point : points_) {
-        const Contact& contact = model_.contacts[point.contact];
-        const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
-        const auto traction = contact_traction(contact, size_variables(contact.obstacle),
-                                               constants(y), constants(point.place_before),
-                                               constants(point.friction_before), std::nullopt);
-        Eigen::Matrix<double, 3, 4> by_size;
-        for (int i = 0; i < 3; ++i)
-            by_size.row(i) =
-                (traction.pressure[i].derivatives() + traction.friction[i].derivatives())
-                    .transpose();
+        const Eigen::Matrix<double, 3, 4> by_size = size_slopes_at(point, u).traction;
         for (std::size_t a = 0; a < point.face->size(); ++a)
             // df_a/ds = -A N_a d(p n + t)/ds (method.md, 9.9)
             forces[point.contact].middleRows<3>(3 * (*point.face)[a]) -=

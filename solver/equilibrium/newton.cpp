@@ -19,6 +19,8 @@ constexpr double rounding = 1e-10;
 constexpr double shortest_length = 1.0 / 65536;
 constexpr double largest_shift = 20;
 constexpr int most_friction_rounds = 200;
+/// Newton steps from a guess; the path from the start is sure, and no longer than that.
+constexpr int most_guess_steps = 10;
 constexpr double near_enough = 1e-2;  // relative residual from which old factors are tried
 
 void check_options(const EquilibriumOptions& options) {
@@ -40,7 +42,8 @@ public:
           options_(options),
           start_(start),
           progress_(progress),
-          tangent_(std::make_shared<TangentSolve>(solid, options.linear)) {}
+          tangent_(start.tangent ? start.tangent
+                                 : std::make_shared<TangentSolve>(solid, options.linear)) {}
 
     Equilibrium run();
 
@@ -70,7 +73,11 @@ private:
     double relative_residual(const State& state, double load) const;
     bool find_change(const State& state, const Eigen::VectorXd& r, Eigen::VectorXd& change);
     bool reach(double load, State& state);
-    bool settle(double load, State& state);
+    bool reach_from_guess(State& state);
+    bool settle(double load, State& state) {
+        return settle(load, state, options_.max_newton_steps);
+    }
+    bool settle(double load, State& state, int most_steps);
     bool settle_friction(double load, State& state);
     bool take_friction_step(double load, State& state);
     bool advance_walls(double load, State& state);
@@ -190,7 +197,7 @@ double EquilibriumSolve::search_line(double load, const Eigen::VectorXd& change,
 /// Near the end the last factor does as well as a new one, and costs little: a step with it is
 /// taken if it leaves a tenth of the residual.
 bool EquilibriumSolve::take_chord_step(double load, State& state) {
-    if (is_shifted_) return false;
+    if (is_shifted_ || !tangent_->is_factorised()) return false;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
     // K_old du = residual, with the factor that is there: |residual'| <= |residual| / 10, or none
     if (!tangent_->solve(state.residual, change)) return false;
@@ -242,7 +249,7 @@ bool EquilibriumSolve::settle_friction(double load, State& state) {
     return false;
 }
 
-bool EquilibriumSolve::settle(double load, State& state) {
+bool EquilibriumSolve::settle(double load, State& state, int most_steps) {
     for (int step = 0;; ++step) {
         const double residual = relative_residual(state, load);
         records_.push_back({load, residual, 0});
@@ -255,8 +262,8 @@ bool EquilibriumSolve::settle(double load, State& state) {
             return !is_shifted_ || tangent_->factorise(state.u);
         }
         if (residual < near_enough && take_chord_step(load, state)) continue;
-        failure_ = fmt::format("{} Newton steps were not enough", options_.max_newton_steps);
-        if (step == options_.max_newton_steps) return false;
+        failure_ = fmt::format("{} Newton steps were not enough", most_steps);
+        if (step >= most_steps) return false;
         Eigen::VectorXd change = Eigen::VectorXd::Zero(state.u.size());
         if (!find_change(state, state.residual, change)) return false;
         // K du = residual (method.md, 9.4), then u + a du
@@ -266,12 +273,31 @@ bool EquilibriumSolve::settle(double load, State& state) {
     }
 }
 
+/// The equilibrium at full load from the guess; false, with `state` as it was, if that fails.
+bool EquilibriumSolve::reach_from_guess(State& state) {
+    Eigen::VectorXd u = start_.guess;
+    for (Eigen::Index d = 0; d < u.size(); ++d)
+        if (solid_.model().prescribed[d]) u[d] = displacement_at(d, 1);
+    set_surroundings(1);
+    contact().renew_limits(u);
+    State next = state_at(u, 1);
+    if (next.inner.is_valid &&
+        settle(1, next, std::min(most_guess_steps, options_.max_newton_steps)) &&
+        (!contact().has_friction() || settle_friction(1, next))) {
+        state = std::move(next);
+        return true;
+    }
+    contact().begin({start_.displacement, start_.obstacle_motion, start_.friction});
+    return false;
+}
+
 Equilibrium EquilibriumSolve::run() {
     Equilibrium result;
     contact().begin({start_.displacement, start_.obstacle_motion, start_.friction});
     set_surroundings(0);
     State reached = state_at(start_.displacement, 0);
     double step = options_.first_step;
+    if (start_.guess.size() > 0 && reach_from_guess(reached)) result.load = 1;
     while (result.load < 1 && step >= options_.smallest_step) {
         const double load = std::min(1.0, result.load + step);
         State next = reached;
@@ -334,7 +360,7 @@ Equilibrium solve_equilibrium(const SolidAssembly& solid, const SolidLoads& load
     const auto fits = [&](const Eigen::VectorXd& given) {
         return given.size() == 0 || (given.size() == loads.force.size() && given.allFinite());
     };
-    if (!fits(start.displacement) || !fits(start.force))
+    if (!fits(start.displacement) || !fits(start.force) || !fits(start.guess))
         throw Error(ErrorCode::invalid_argument,
                     "the start of a load path needs 3 finite numbers per node, or none");
     if (!start.obstacle_motion.empty() &&

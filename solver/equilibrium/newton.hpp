@@ -66,6 +66,11 @@ struct EquilibriumStart {
     std::vector<Vec3> obstacle_motion = {};  ///< [contacts] mm
     std::vector<Vec3> friction = {};         ///< [contact points] kPa, of `ContactState`
     std::vector<double> pressure_kpa = {};   ///< [model.pressures]
+    /// Nearly the equilibrium at full load [3 num_nodes] mm: Newton's method is tried from there
+    /// before it follows the path. Empty: it is not.
+    Eigen::VectorXd guess = {};
+    /// Of an earlier solve on the same assembly: its factor serves as long as it is near enough.
+    std::shared_ptr<TangentSolve> tangent = {};
 };
 
 /// Static equilibrium f(u) = force at free dofs, u = displacement at prescribed ones, by Newton's

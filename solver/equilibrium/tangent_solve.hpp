@@ -33,6 +33,8 @@ public:
     /// At u [3 num_nodes] mm, with `shift` times the mean of K's diagonal added to it. False if
     /// the symmetric half of that is not positive definite. Shifted it is that half alone.
     bool factorise(const Eigen::VectorXd& u, double shift = 0);
+    /// Whether there is a factor, of whichever tangent.
+    bool is_factorised() const { return is_factorised_; }
     /// x with K_ff^T x_f = r_f, x_p = 0, for the tangent at u to a relative residual of 1e-12, at
     /// worst 1e-9; here the limits of friction follow the pressure, so K is not symmetric, nor is
     /// it where pressures follow a surface with a free edge. The last factor serves if it is near

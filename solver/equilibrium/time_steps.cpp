@@ -23,9 +23,24 @@ void check_times(const std::vector<LoadTime>& times) {
     }
 }
 
+namespace {
+
+/// The guess of the next time, moved by what that of the time before was off.
+Eigen::VectorXd guess_at(const std::vector<Equilibrium>& states,
+                         const std::vector<Eigen::VectorXd>& guesses) {
+    const std::size_t next = states.size();
+    if (next >= guesses.size()) return {};
+    if (next == 0 || states.back().displacement.size() != guesses[next - 1].size())
+        return guesses[next];
+    return guesses[next] + states.back().displacement - guesses[next - 1];
+}
+
+}  // namespace
+
 std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,
                                        const EquilibriumOptions& options,
-                                       const ProgressSink& progress, const TimeObserver& observer) {
+                                       const ProgressSink& progress, const TimeObserver& observer,
+                                       const std::vector<Eigen::VectorXd>& guesses) {
     check_times(times);
     SolidAssembly solid(model, options.loops);
     ViscousHistory history(model);
@@ -35,13 +50,16 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
     for (const LoadTime& at : times) {
         const double dt_s = at.time_s - now_s;
         if (has_relaxation(model)) history.begin_step(dt_s, solid);
+        start.guess = guess_at(states, guesses);
         states.push_back(solve_equilibrium(solid, at.loads, options, start, progress));
         if (observer) observer(solid, states.back());
-        states.back().tangent.reset();  // the assembly ends with this function
+        const auto tangent =
+            std::move(states.back().tangent);  // the assembly ends with this function
         if (!states.back().converged) break;
         if (has_relaxation(model)) history.end_step(dt_s, solid, states.back().displacement);
         start = {states.back().displacement, at.loads.force, at.loads.obstacle_motion,
                  states.back().contact.friction, at.loads.pressure_kpa};
+        if (!guesses.empty()) start.tangent = tangent;
         now_s = at.time_s;
     }
     return states;

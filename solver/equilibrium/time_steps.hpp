@@ -29,11 +29,14 @@ void check_times(const std::vector<LoadTime>& times);
 /// exact where S changes linearly in time (Taylor, Pister and Goudreau 1970). S is the law's stress
 /// or its isochoric part, as `SolidMaterial::relaxation_of` says; for instantaneous moduli G is
 /// divided by 1 + sum C_k. Stops after the first
-/// time whose equilibrium is not reached. Throws as `solve_equilibrium` does, and
+/// time whose equilibrium is not reached. `guesses` are displacements [3 num_nodes] mm near those
+/// at the first of the times, as of a history with nearly the same numbers: then Newton's method is
+/// tried from there with the factor of the time before. Throws as `solve_equilibrium` does, and
 /// Error(invalid_argument) for times that do not ascend.
 std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vector<LoadTime>& times,
                                        const EquilibriumOptions& options,
                                        const ProgressSink& progress = {},
-                                       const TimeObserver& observer = {});
+                                       const TimeObserver& observer = {},
+                                       const std::vector<Eigen::VectorXd>& guesses = {});
 
 }  // namespace palpate

@@ -82,6 +82,7 @@ HistoryColumns::ContactChanges HistoryColumns::contact_changes() const {
         if (next_ > 0) change.motion_before = loads_change(c, next_ - 1).obstacle_motion;
         change.friction_before = friction_before_[c];
         change.coefficient = directions_[c].friction;
+        change.sizes = directions_[c].sizes;
         changes.push_back(std::move(change));
     }
     return changes;

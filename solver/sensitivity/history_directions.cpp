@@ -108,6 +108,16 @@ HistoryDirection along_friction(const SolidModel& model, std::size_t contact) {
     return direction;
 }
 
+HistoryDirection along_size(const SolidModel& model, std::size_t contact, int size) {
+    check_number("obstacle", contact, model.contacts.size());
+    check_number("size", static_cast<std::size_t>(size), 4);
+    HistoryDirection direction;
+    direction.name = fmt::format("size {} of obstacle {}", size, contact);
+    direction.sizes.assign(model.contacts.size(), Eigen::Vector4d::Zero());
+    direction.sizes[contact][size] = 1;
+    return direction;
+}
+
 HistoryDirection along_load_scale(const std::vector<LoadTime>& times) {
     HistoryDirection direction;
     direction.name = "scale of the loads";
@@ -151,6 +161,7 @@ void check_direction(const HistoryDirection& direction, const SolidModel& model,
     expect("materials", direction.parameters.size(), materials);
     expect("materials", direction.relaxation.size(), materials);
     expect("obstacles", direction.friction.size(), model.contacts.size());
+    expect("obstacles", direction.sizes.size(), model.contacts.size());
     expect("loads", direction.loads.size(), num_times);
     expect("times", direction.time_s.size(), num_times);
     for (std::size_t m = 0; m < direction.parameters.size(); ++m)

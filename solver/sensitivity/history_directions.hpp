@@ -16,6 +16,7 @@ struct HistoryDirection {
     std::vector<std::vector<double>> parameters;          ///< [materials][parameters]
     std::vector<std::vector<RelaxationTerm>> relaxation;  ///< [materials][terms]
     std::vector<double> friction;                         ///< [contacts] of the coefficients
+    std::vector<Eigen::Vector4d> sizes;                   ///< [contacts] mm, of `obstacle_sizes`
     std::vector<SolidLoads> loads;                        ///< [times] as in `LoadTime`
     std::vector<double> time_s;                           ///< [times] of the times themselves
 };
@@ -31,6 +32,8 @@ HistoryDirection along_relaxation_time(const SolidModel& model, std::size_t mate
 /// Along an obstacle's coefficient of friction, which must not be 0: there the derivative has two
 /// sides.
 HistoryDirection along_friction(const SolidModel& model, std::size_t contact);
+/// Along one of the four sizes of an obstacle, counted as in `obstacle_sizes`.
+HistoryDirection along_size(const SolidModel& model, std::size_t contact, int size);
 /// Along a factor of all loads: of displacements, forces and motions of obstacles. For a factor of
 /// some of them keep those only in `loads`.
 HistoryDirection along_load_scale(const std::vector<LoadTime>& times);

@@ -168,6 +168,9 @@ void add_load_parameters(const LoadHistory& history, std::vector<Parameter>& lis
                         for (LoadTime& at : h.times) at.time_s += by;
                     },
                     step});
+    list.push_back({along_size(history.model, 0, 0),
+                    [](LoadHistory& h, double by) { h.model.contacts[0].obstacle.radius_mm += by; },
+                    step});
 }
 
 std::vector<Parameter> parameters_of(const LoadHistory& history) {
@@ -239,6 +242,53 @@ TEST(HistoryColumns, TheCheckCatchesABrokenColumn) {
     EXPECT_GT(column_error(column_of(found.columns, 0), expected), tolerance);
 }
 
+std::size_t num_newton_steps(const std::vector<Equilibrium>& states) {
+    std::size_t sum = 0;
+    for (const Equilibrium& state : states) sum += state.records.size();
+    return sum;
+}
+
+TEST(HistoryGuesses, FromColumnsLeadToTheSameStatesInFewerSteps) {
+    const LoadHistory history = plain_history();
+    const Parameter parameter = parameters_of(history)[0];
+    const HistoryWithColumns centre =
+        solve_history_columns(history.model, history.times, {parameter.direction}, tight());
+    const double by = 0.02 * history.model.materials[0].parameters[0];
+    LoadHistory moved = history;
+    parameter.change(moved, by);
+    std::vector<Eigen::VectorXd> guesses;
+    for (std::size_t i = 0; i < centre.states.size(); ++i)
+        guesses.push_back(centre.states[i].displacement +
+                          by * centre.columns[i].displacement.col(0));
+    const auto cold = solve_history(moved.model, moved.times, tight());
+    const auto warm = solve_history(moved.model, moved.times, tight(), {}, {}, guesses);
+    ASSERT_EQ(warm.size(), cold.size());
+    for (std::size_t i = 0; i < cold.size(); ++i) {
+        ASSERT_TRUE(warm[i].converged) << warm[i].message;
+        EXPECT_LT((warm[i].displacement - cold[i].displacement).norm(),
+                  1e-9 * cold[i].displacement.norm());
+    }
+    EXPECT_LT(num_newton_steps(warm), num_newton_steps(cold));
+}
+
+TEST(HistoryGuesses, ThatAreFarOffDoNoHarm) {
+    const LoadHistory history = plain_history();
+    const auto cold = solve_history(history.model, history.times, tight());
+    std::vector<Eigen::VectorXd> guesses;
+    for (const Equilibrium& state : cold) {
+        Eigen::VectorXd wild(state.displacement.size());
+        for (Eigen::Index d = 0; d < wild.size(); ++d) wild[d] = 3 * std::sin(7.0 * d);
+        guesses.push_back(wild);
+    }
+    const auto found = solve_history(history.model, history.times, tight(), {}, {}, guesses);
+    ASSERT_EQ(found.size(), cold.size());
+    for (std::size_t i = 0; i < cold.size(); ++i) {
+        ASSERT_TRUE(found[i].converged) << found[i].message;
+        EXPECT_LT((found[i].displacement - cold[i].displacement).norm(),
+                  1e-9 * cold[i].displacement.norm());
+    }
+}
+
 TEST(HistoryColumns, LeaveTheHistoryAsItIsToTheLastBit) {
     const LoadHistory history = plain_history();
     const auto expected = solve_history(history.model, history.times, {});
@@ -299,6 +349,8 @@ TEST(HistoryColumns, WhatHasNoColumnsIsRefused) {
     EXPECT_THROW(along_parameter(model, 1, 0), Error);
     EXPECT_THROW(along_amplitude(model, 0, 2), Error);
     EXPECT_THROW(along_friction(model, 1), Error);
+    EXPECT_THROW(along_size(model, 1, 0), Error);
+    EXPECT_THROW(along_size(model, 0, 4), Error);
     HistoryDirection short_of_loads = along_load_scale(history.times);
     short_of_loads.loads.pop_back();
     EXPECT_THROW(HistoryColumns(model, history.times, {short_of_loads}), Error);
