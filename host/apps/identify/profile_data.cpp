@@ -7,19 +7,27 @@
 
 #include "host/apps/identify/data_kinds.hpp"
 #include "host/apps/identify/signal_data.hpp"
-#include "host/apps/identify/smooth_curve.hpp"
 #include "host/apps/simulate/selection.hpp"
+#include "host/apps/simulate/setting_values.hpp"
+#include "host/apps/simulate/smooth_curve.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-/// The z_at z(r, t) of a deformed surface, at fixed distances r from the axis: in a plane or
-/// axisymmetric model x of the deformed place is r, y is z.
+/// The height z(r, t) of a deformed surface, at fixed distances r from the axis: in a plane or
+/// axisymmetric model x of the deformed place is r, y is z. Lengths that an instrument tells with
+/// errors of scale, later than the loads:
+///   z_measured(r, t) = z_scale z(r / r_scale, t - delay).
 class ProfileData final : public MeasuredData {
 public:
     explicit ProfileData(const DataSource& source)
-        : table_(source.table), times_(source.numbers), r_mm_(source.numbers.values("r_mm")) {
+        : table_(source.table),
+          times_(source.numbers),
+          r_mm_(source.numbers.values("r_mm")),
+          r_scale_(source.table.number("r_scale", positive).value_or(1)),
+          z_scale_(source.table.number("z_scale", positive).value_or(1)),
+          delay_s_(source.table.number("delay_s", any_number).value_or(0)) {
         const auto where = source.table.table("where");
         if (!where) source.table.missing("where", "where = {side = \"y-max\"}, for example");
         surface_ = read_selection(*where);
@@ -36,10 +44,10 @@ public:
         std::vector<std::optional<SmoothCurve>> curves(simulation.states.size());
         Eigen::VectorXd rows(block_.num_row());
         for (std::size_t row = 0; row < r_mm_.size(); ++row) {
-            const auto [before, after, share] = times_.at(simulation, row, 0);
+            const auto [before, after, share] = times_.at(simulation, row, delay_s_);
             const auto z_at = [&](std::size_t k) {
                 if (!curves[k]) curves[k] = curve_of(simulation, nodes, k);
-                return curves[k]->at(r_mm_[row]);
+                return z_scale_ * curves[k]->at(r_mm_[row] / r_scale_);
             };
             const double first = z_at(before);
             rows[Eigen::Index(row)] = first + (after == before ? 0 : share * (z_at(after) - first));
@@ -53,7 +61,7 @@ private:
         const SolidMesh& mesh = simulation.mesh();
         if (mesh.formulation == Formulation::solid)
             table_.fail("a profile is measured on a plane or axisymmetric body");
-        const auto chosen = selected_nodes(surface_, {mesh, {}});
+        const auto chosen = selected_nodes(surface_, {mesh, simulation.prepared.point_scalars});
         std::vector<Index> nodes;
         for (Index node = 0; node < mesh.num_nodes(); ++node)
             if (chosen[node]) nodes.push_back(node);
@@ -82,6 +90,7 @@ private:
     SettingsTable table_;
     MeasuredTimes times_;
     std::vector<double> r_mm_;
+    double r_scale_ = 1, z_scale_ = 1, delay_s_ = 0;
     Selection surface_;
 };
 
@@ -90,7 +99,7 @@ private:
 DataKind profile_kind() {
     return {"profile",
             "Height of a surface of a plane or axisymmetric body: columns time_s, r_mm, z_mm",
-            {"where", "sd_mm"},
+            {"where", "sd_mm", "r_scale", "z_scale", "delay_s"},
             [](const DataSource& source) {
                 return std::unique_ptr<MeasuredData>(new ProfileData(source));
             }};

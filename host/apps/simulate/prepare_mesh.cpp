@@ -40,11 +40,24 @@ void make_quadratic(SolidMeshFile& file) {
     extend_arrays(file.mesh, file);
 }
 
+/// A mesh that is made from the settings.
+void make_graded(const MeshSettings& settings, SolidMeshFile& file) {
+    try {
+        file.mesh = graded_mesh(*settings.graded, settings.formulation);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::invalid_argument) throw;
+        settings.source.fail(error.what());
+    }
+    file.point_scalars[graded_surface_array] = graded_surface(*settings.graded, file.mesh);
+}
+
 }  // namespace
 
 SolidMeshFile prepare_mesh(const MeshSettings& settings) {
     SolidMeshFile file;
-    if (settings.file.empty())
+    if (settings.graded)
+        make_graded(settings, file);
+    else if (settings.file.empty())
         file.mesh = grid_mesh(settings.grid, settings.formulation);
     else
         file = read_solid_mesh(settings.file, settings.formulation, settings.region_array);

@@ -157,7 +157,8 @@ PreparedSimulation prepare_simulation(const SimulationSettings& settings) {
         model.materials.push_back(material.material);
     model.prescribed.assign(static_cast<std::size_t>(model.num_dofs()), 0);
 
-    const SelectableMesh in{model.mesh, file.point_scalars};
+    prepared.point_scalars = std::move(file.point_scalars);
+    const SelectableMesh in{model.mesh, prepared.point_scalars};
     LoadParts parts(model.num_dofs(), settings.obstacles.size(),
                     count_following(settings.surface_loads));
     std::vector<int> owner(model.prescribed.size(), -1);

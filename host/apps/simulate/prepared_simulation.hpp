@@ -30,7 +30,8 @@ struct LoadPart {
 /// What a model file means on its mesh.
 struct PreparedSimulation {
     SolidModel model;
-    std::vector<Index> labels;  ///< [materials] file label of each
+    std::map<std::string, std::vector<double>> point_scalars;  ///< [num_nodes], of the mesh
+    std::vector<Index> labels;                                 ///< [materials] file label of each
     std::vector<SupportSet> supports;
     std::vector<LoadPart> parts;
     std::vector<std::string> contact_names;  ///< [model.contacts]

@@ -59,6 +59,38 @@ GridSettings read_grid(const SettingsTable& table, bool is_solid) {
     return grid;
 }
 
+/// x ascends, y at each of them.
+void read_surface(const SettingsTable& table, GradedSettings& graded) {
+    const auto x = table.numbers("surface_x_mm", 3, 1000);
+    const auto y = table.numbers("surface_y_mm", 3, 1000);
+    if (!x && !y) return;
+    if (!x || !y || x->size() != y->size())
+        table.fail("surface_x_mm and surface_y_mm need as many numbers, at least three each");
+    if (!std::is_sorted(x->begin(), x->end(), std::less_equal<>()))
+        table.refuse("surface_x_mm", "allowed: ascending numbers");
+    graded.surface_x_mm = *x;
+    graded.surface_y_mm = *y;
+}
+
+GradedSettings read_graded(const SettingsTable& table) {
+    table.allow_keys({"width_mm", "depth_mm", "edge_mm", "columns_inside", "columns_outside",
+                      "rows", "finest_mm", "surface_x_mm", "surface_y_mm", "refine"});
+    GradedSettings graded;
+    graded.width_mm = needed_number(table, "width_mm", positive);
+    graded.depth_mm = needed_number(table, "depth_mm", positive);
+    graded.edge_mm = needed_number(table, "edge_mm", positive);
+    const auto count = [&](const char* key, int& value) {
+        value = table.whole_number(key, 2, most_divisions).value_or(value);
+    };
+    count("columns_inside", graded.columns_inside);
+    count("columns_outside", graded.columns_outside);
+    count("rows", graded.rows);
+    graded.finest_mm = table.number("finest_mm", positive).value_or(graded.finest_mm);
+    graded.refine = table.whole_number("refine", 1, 16).value_or(graded.refine);
+    read_surface(table, graded);
+    return graded;
+}
+
 Index read_label(const SettingsTable& table) {
     const auto label = table.whole_number("region", 0, largest_label);
     if (!label) table.missing("region", "a whole number, the label of cells");
@@ -74,6 +106,13 @@ PartSettings read_part(const SettingsTable& table) {
 
 void read_mesh_source(const SettingsTable& table, const fs::path& folder, MeshSettings& mesh) {
     const bool is_solid = mesh.formulation == Formulation::solid;
+    if (const auto graded = table.table("graded")) {
+        if (is_solid) table.refuse("graded", "it is made in a plane or about an axis");
+        for (const char* key : {"file", "region_array", "unit", "rectangle", "box"})
+            if (table.has(key)) table.refuse(key, "it does not go with a graded mesh; remove it");
+        mesh.graded = read_graded(*graded);
+        return;
+    }
     const char* generator = is_solid ? "box" : "rectangle";
     const char* other = is_solid ? "rectangle" : "box";
     if (table.has(other))
@@ -102,8 +141,8 @@ void read_mesh_source(const SettingsTable& table, const fs::path& folder, MeshSe
 }
 
 MeshSettings read_mesh(const SettingsTable& table, const fs::path& folder) {
-    table.allow_keys({"file", "region_array", "unit", "box", "rectangle", "part", "formulation",
-                      "thickness_mm", "quadratic", "volume"});
+    table.allow_keys({"file", "region_array", "unit", "box", "rectangle", "graded", "part",
+                      "formulation", "thickness_mm", "quadratic", "volume"});
     MeshSettings mesh;
     mesh.source = table;
     mesh.formulation = formulation_of(

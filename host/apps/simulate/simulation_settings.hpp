@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "host/apps/simulate/graded_mesh.hpp"
 #include "host/apps/simulate/load_table.hpp"
 #include "host/io/settings_table.hpp"
 #include "solver/equilibrium/explicit_steps.hpp"
@@ -49,6 +50,7 @@ struct MeshSettings {
     std::optional<std::string> region_array;
     double mm_per_unit = 1;  ///< of the file's coordinates
     GridSettings grid;
+    std::optional<GradedSettings> graded;  ///< in place of `grid`
     std::vector<PartSettings> parts;
     Formulation formulation = Formulation::solid;
     double thickness_mm = 1;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/identify/smooth_curve.hpp"
+#include "host/apps/simulate/smooth_curve.hpp"
 
 #include <gtest/gtest.h>
 

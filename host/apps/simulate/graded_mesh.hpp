@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "solver/model/solid_mesh.hpp"
+
+namespace palpate {
+
+/// Quadrilaterals under a surface that something with an edge is set on: a tube, a punch. x runs
+/// from the axis (or plane of symmetry), y = 0 is the plane of the edge, the body is below.
+struct GradedSettings {
+    double width_mm = 0, depth_mm = 0;
+    double edge_mm = 0;  ///< x of the finest columns
+    int columns_inside = 14, columns_outside = 9, rows = 13;
+    double finest_mm = 0.25;  ///< height of the first row
+    /// The surface at rest: heights y at ascending x, at least three; level beyond the ends. Empty:
+    /// y = 0.
+    std::vector<double> surface_x_mm, surface_y_mm;
+    int refine = 1;  ///< each line of columns and rows is divided in as many
+};
+
+/// Whether the surface is given.
+bool has_surface(const GradedSettings& graded);
+
+/// The array of a graded mesh that is 1 at nodes of its surface.
+inline constexpr const char* graded_surface_array = "surface";
+
+/// Lines of columns come closer toward the edge from both sides; rows grow downward by one factor.
+/// The surface's height dies away with depth,
+///   y(x, d) = -d + h(x) exp(-d / l) (1 - d / depth),   l = 0.8 edge.
+/// All with label 1; nodes of the surface come first, along x. Throws Error(mesh_failed) where an
+/// element is folded, saying where, and Error(invalid_argument) for sizes that leave no room.
+SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation);
+
+/// 1 at the nodes of the surface [num_nodes].
+std::vector<double> graded_surface(const GradedSettings& graded, const SolidMesh& mesh);
+
+}  // namespace palpate

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/simulate/graded_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "tests/unit/simulation/model_text.hpp"
+
+namespace palpate {
+namespace {
+
+GradedSettings under_a_tube() {
+    GradedSettings graded;
+    graded.width_mm = 20;
+    graded.depth_mm = 16;
+    graded.edge_mm = 5.2;
+    return graded;
+}
+
+TEST(GradedMesh, FillsTheBodyAndIsFinestAtEdgeAndSurface) {
+    const SolidMesh mesh = graded_mesh(under_a_tube(), Formulation::axisymmetric);
+
+    EXPECT_EQ(mesh.num_elements(), 23 * 13);
+    double volume = 0;
+    for (const PointGeometry& point : point_geometry(mesh)) volume += point.volume;
+    EXPECT_NEAR(volume, std::numbers::pi * 20 * 20 * 16, 1e-9 * volume);
+    const auto has_node = [&](double x, double y) {
+        return std::any_of(mesh.nodes.begin(), mesh.nodes.end(), [&](const Vec3& at) {
+            return std::abs(at.x() - x) < 1e-12 && std::abs(at.y() - y) < 1e-12;
+        });
+    };
+    EXPECT_TRUE(has_node(5.2, 0));
+    EXPECT_TRUE(has_node(20, -0.25));
+    double narrowest = 1e9;
+    for (std::size_t k = 1; k <= 23; ++k)
+        narrowest = std::min(narrowest, mesh.nodes[k].x() - mesh.nodes[k - 1].x());
+    EXPECT_NEAR(mesh.nodes[14].x() - mesh.nodes[13].x(), narrowest, 1e-12);  // beside the edge
+    EXPECT_GT(mesh.nodes[23].x() - mesh.nodes[22].x(), 10 * narrowest);
+}
+
+TEST(GradedMesh, SurfaceFollowsTheProfileAndTheBottomStaysLevel) {
+    GradedSettings graded = under_a_tube();
+    graded.surface_x_mm = {0, 2, 4, 5.2};
+    graded.surface_y_mm = {1, 0.7, 0.2, 0};
+    const SolidMesh mesh = graded_mesh(graded, Formulation::axisymmetric);
+    const std::vector<double> surface = graded_surface(graded, mesh);
+
+    EXPECT_EQ(std::count(surface.begin(), surface.end(), 1.0), 24);
+    EXPECT_NEAR(mesh.nodes[0].y(), 1, 1e-12);
+    for (std::size_t n = 0; n < 24; ++n) {
+        EXPECT_EQ(surface[n], 1);
+        if (mesh.nodes[n].x() > 5.2 - 1e-12) {
+            EXPECT_NEAR(mesh.nodes[n].y(), 0, 1e-12);
+        }
+        EXPECT_NEAR(mesh.nodes[mesh.nodes.size() - 1 - n].y(), -16, 1e-12);
+    }
+}
+
+TEST(GradedMesh, AFinerOneHasTheNodesOfTheCoarseOne) {
+    GradedSettings graded = under_a_tube();
+    const SolidMesh coarse = graded_mesh(graded, Formulation::plane_strain);
+    graded.refine = 2;
+    const SolidMesh fine = graded_mesh(graded, Formulation::plane_strain);
+
+    EXPECT_EQ(fine.num_elements(), 4 * coarse.num_elements());
+    for (int j = 0; j <= 13; ++j)
+        for (int i = 0; i <= 23; ++i)
+            EXPECT_LT((fine.nodes[2 * j * 47 + 2 * i] - coarse.nodes[j * 24 + i]).norm(), 1e-12);
+}
+
+TEST(GradedMesh, FoldsAndSizesThatLeaveNoRoomAreTold) {
+    GradedSettings graded = under_a_tube();
+    graded.surface_x_mm = {0, 4.9, 5, 5.2};
+    graded.surface_y_mm = {8, 8, 0, 0};
+    expect_refused([&] { graded_mesh(graded, Formulation::axisymmetric); }, {"fold", "x = "},
+                   ErrorCode::mesh_failed);
+    graded = under_a_tube();
+    graded.depth_mm = 2;
+    expect_refused([&] { graded_mesh(graded, Formulation::axisymmetric); }, {"13 rows", "2 mm"});
+    graded = under_a_tube();
+    graded.width_mm = 5;
+    expect_refused([&] { graded_mesh(graded, Formulation::axisymmetric); }, {"edge_mm"});
+}
+
+TEST(GradedMesh, MistakesInAFileAreTold) {
+    const auto mesh = [](const std::string& keys, const std::string& more = "") {
+        return prepared("[mesh]\nformulation = \"axisymmetric\"\n" + more + "graded = {" + keys +
+                        "}\n" + one_material + "[[fix]]\nwhere = {side = \"y-min\"}\n");
+    };
+    const std::string sizes = "width_mm = 20, depth_mm = 16, edge_mm = 5";
+    EXPECT_EQ(mesh(sizes + ", refine = 2").model.mesh.num_elements(), 4 * 23 * 13);
+    expect_refused([&] { mesh("width_mm = 20, depth_mm = 16"); }, {"edge_mm"});
+    expect_refused([&] { mesh(sizes + ", surface_x_mm = [0, 1, 2]"); }, {"surface_y_mm"});
+    expect_refused([&] { mesh(sizes + ", surface_x_mm = [0, 2, 2], surface_y_mm = [0, 0, 0]"); },
+                   {"ascending"});
+    expect_refused([&] { mesh(sizes, "unit = \"m\"\n"); }, {"unit"});
+    expect_refused([&] { mesh("width_mm = 20, depth_mm = 1, edge_mm = 5"); }, {"model.toml", "13"});
+}
+
+}  // namespace
+}  // namespace palpate
