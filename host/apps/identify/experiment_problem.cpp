@@ -28,7 +28,7 @@ double step_of(const Parameter& parameter, double value) {
 /// allowed, a place outside a body that is smaller.
 bool is_of_values(const Error& error) {
     return error.code() == ErrorCode::solve_failed || error.code() == ErrorCode::invalid_argument ||
-           error.code() == ErrorCode::input_unusable;
+           error.code() == ErrorCode::input_unusable || error.code() == ErrorCode::mesh_failed;
 }
 
 /// The states moved along a column.
@@ -43,6 +43,25 @@ SimulationResult moved_along(const SimulationResult& simulation, int column, dou
     return moved;
 }
 
+/// u_n + (du_n/dp) dp at all times after rest, of the numbers that have columns; empty if the
+/// earlier simulation did not come to its end.
+std::vector<Eigen::VectorXd> guesses_from(const ExperimentPrediction& earlier,
+                                          const Eigen::VectorXd& values) {
+    std::vector<Eigen::VectorXd> guesses;
+    if (!earlier.simulation || !earlier.simulation->converged()) return guesses;
+    const SimulationResult& from = *earlier.simulation;
+    if (from.settings.dynamics) return guesses;
+    for (std::size_t s = 1; s < from.states.size(); ++s) {
+        Eigen::VectorXd u = from.states[s].displacement;
+        for (std::size_t k = 0; k < earlier.column_of.size(); ++k)
+            if (earlier.column_of[k] >= 0 && s < from.columns.size())
+                u += from.columns[s].displacement.col(earlier.column_of[k]) *
+                     (values[Eigen::Index(k)] - earlier.values[Eigen::Index(k)]);
+        guesses.push_back(std::move(u));
+    }
+    return guesses;
+}
+
 }  // namespace
 
 ExperimentProblem::ExperimentProblem(const Experiment& experiment,
@@ -53,13 +72,14 @@ ExperimentProblem::ExperimentProblem(const Experiment& experiment,
       jobs_(jobs),
       progress_(std::move(progress)) {}
 
-std::shared_ptr<const SimulationResult> ExperimentProblem::simulate(
-    const ExperimentSetup& setup) const {
+std::shared_ptr<const SimulationResult> ExperimentProblem::simulate(const ExperimentSetup& setup,
+                                                                    SimulationWish wish) const {
     if (!setup.simulation) return nullptr;
     SimulationSettings settings = *setup.simulation;
     configure_(settings);
     ++num_simulation_;
-    return std::make_shared<const SimulationResult>(run_simulation(settings));
+    wish.fills_cells = false;
+    return std::make_shared<const SimulationResult>(run_simulation(settings, {}, wish));
 }
 
 std::vector<Eigen::VectorXd> ExperimentProblem::read_off(const ExperimentSetup& setup,
@@ -71,26 +91,24 @@ std::vector<Eigen::VectorXd> ExperimentProblem::read_off(const ExperimentSetup& 
 }
 
 void ExperimentProblem::simulate_with_columns(const ExperimentSetup& setup,
-                                              ExperimentPrediction& made) const {
+                                              ExperimentPrediction& made,
+                                              SimulationWish wish) const {
     made.column_of.assign(parameters().size(), -1);
     if (!setup.simulation || setup.simulation->dynamics) {
-        made.simulation = simulate(setup);
+        made.simulation = simulate(setup, {});
         return;
     }
-    SimulationSettings settings = *setup.simulation;
-    configure_(settings);
-    ++num_simulation_;
-    const auto directions = [&](const PreparedSimulation& prepared, const std::vector<LoadTime>&) {
+    wish.directions = [&](const PreparedSimulation& prepared, const std::vector<LoadTime>&) {
         std::vector<HistoryDirection> list;
         for (std::size_t k = 0; k < parameters().size(); ++k)
-            if (auto direction = direction_of(experiment_.paths()[k], prepared)) {
+            if (auto direction =
+                    direction_of(experiment_.paths()[k], prepared, *setup.simulation)) {
                 made.column_of[k] = static_cast<int>(list.size());
                 list.push_back(std::move(*direction));
             }
         return list;
     };
-    made.simulation =
-        std::make_shared<const SimulationResult>(run_simulation(settings, {}, directions));
+    made.simulation = simulate(setup, std::move(wish));
 }
 
 PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
@@ -103,7 +121,7 @@ PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
         (!wants_columns || earlier->blocks.front().columns.size() > 0))
         return {std::make_shared<ExperimentPrediction>(*earlier), ""};
     try {
-        return {predicted_anew(values, wants_columns), ""};
+        return {predicted_anew(values, wants_columns, earlier), ""};
     } catch (const Error& error) {
         // At the start the file itself is wrong.
         if (!is_of_values(error) || values == starts_of(parameters())) throw;
@@ -111,15 +129,17 @@ PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
     }
 }
 
-std::shared_ptr<const Prediction> ExperimentProblem::predicted_anew(const Eigen::VectorXd& values,
-                                                                    bool wants_columns) const {
+std::shared_ptr<const Prediction> ExperimentProblem::predicted_anew(
+    const Eigen::VectorXd& values, bool wants_columns, const ExperimentPrediction* warm) const {
     auto made = std::make_shared<ExperimentPrediction>();
     made->values = values;
     const ExperimentSetup setup = experiment_.at(values);
+    SimulationWish wish;
+    if (warm) wish.guesses = guesses_from(*warm, values);
     if (wants_columns)
-        simulate_with_columns(setup, *made);
+        simulate_with_columns(setup, *made, std::move(wish));
     else
-        made->simulation = simulate(setup);
+        made->simulation = simulate(setup, std::move(wish));
     const auto predicted = read_off(setup, made->simulation.get());
     for (std::size_t k = 0; k < setup.data.size(); ++k) {
         made->blocks.push_back(setup.data[k]->block());
@@ -137,7 +157,11 @@ std::vector<Eigen::VectorXd> ExperimentProblem::predicted_at(
     const ExperimentSetup setup = experiment_.at(values);
     if (!experiment_.moves_body(parameter)) return read_off(setup, centre.simulation.get());
     const int column = centre.column_of[parameter];
-    if (column < 0) return read_off(setup, simulate(setup).get());
+    if (column < 0) {
+        SimulationWish wish;
+        wish.guesses = guesses_from(centre, values);
+        return read_off(setup, simulate(setup, std::move(wish)).get());
+    }
     const SimulationResult moved =
         moved_along(*centre.simulation, column, value - centre.values[k]);
     return read_off(setup, &moved);

@@ -27,6 +27,7 @@ struct ExperimentPrediction : Prediction {
 /// simulation; for all others two whole simulations, side by side, are compared on the scale on
 /// which the parameter is searched,
 ///   d y/d t ~ (y(t + h) - y(t - h)) / 2h.
+/// A simulation with other values begins at all times from u_n + (du_n/dp) dp of an earlier one.
 class ExperimentProblem : public DataProblem {
 public:
     /// `experiment` must outlive this. `configure` sets how equations are solved. `jobs`
@@ -42,10 +43,13 @@ public:
     int num_simulation() const { return num_simulation_; }
 
 private:
-    std::shared_ptr<const SimulationResult> simulate(const ExperimentSetup& setup) const;
-    void simulate_with_columns(const ExperimentSetup& setup, ExperimentPrediction& made) const;
+    std::shared_ptr<const SimulationResult> simulate(const ExperimentSetup& setup,
+                                                     SimulationWish wish) const;
+    void simulate_with_columns(const ExperimentSetup& setup, ExperimentPrediction& made,
+                               SimulationWish wish) const;
     std::shared_ptr<const Prediction> predicted_anew(const Eigen::VectorXd& values,
-                                                     bool wants_columns) const;
+                                                     bool wants_columns,
+                                                     const ExperimentPrediction* warm) const;
     std::vector<Eigen::VectorXd> read_off(const ExperimentSetup& setup,
                                           const SimulationResult* simulation) const;
     /// What is predicted where parameter `parameter` has another value.

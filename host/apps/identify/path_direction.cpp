@@ -10,6 +10,14 @@
 namespace palpate {
 namespace {
 
+/// Which of `obstacle_sizes` a key of an obstacle is; -1: none.
+int size_named(const std::string& key) {
+    if (key == "hole_radius_mm") return 0;
+    for (std::size_t k = 0; k < obstacle_sizes.size(); ++k)
+        if (key == obstacle_sizes[k]) return static_cast<int>(k);
+    return -1;
+}
+
 /// A number in a path, less one: lists are counted from 1 there.
 std::size_t index_of(const std::ssub_match& text) { return std::stoul(text.str()) - 1; }
 
@@ -23,11 +31,13 @@ std::optional<std::size_t> parameter_named(const SolidMaterial& material, const 
 }  // namespace
 
 std::optional<HistoryDirection> direction_of(const std::string& path,
-                                             const PreparedSimulation& prepared) {
+                                             const PreparedSimulation& prepared,
+                                             const SimulationSettings& settings) {
     static const std::regex of_relaxation(
         R"(material\[(\d+)\]\.relaxation\[(\d+)\]\.(amplitude|time_s))");
     static const std::regex of_material(R"(material\[(\d+)\]\.(\w+))");
     static const std::regex of_friction(R"(obstacle\[(\d+)\]\.friction)");
+    static const std::regex of_size(R"(obstacle\[(\d+)\]\.(\w+_mm))");
     const SolidModel& model = prepared.model;
     std::smatch found;
     if (std::regex_match(path, found, of_relaxation)) {
@@ -44,6 +54,18 @@ std::optional<HistoryDirection> direction_of(const std::string& path,
     if (std::regex_match(path, found, of_friction)) {
         const std::size_t contact = index_of(found[1]);
         if (model.contacts[contact].friction > 0) return along_friction(model, contact);
+    }
+    if (std::regex_match(path, found, of_size)) {
+        const std::size_t contact = index_of(found[1]);
+        const int size = size_named(found[2]);
+        if (size < 0) return std::nullopt;
+        HistoryDirection direction = along_size(model, contact, size);
+        // The outer edge is as round as the inner one where the file does not say.
+        const bool is_both = found[2] == "edge_radius_mm" &&
+                             model.contacts[contact].obstacle.shape == ObstacleShape::tube &&
+                             !settings.obstacles[contact].source.has("outer_edge_radius_mm");
+        if (is_both) direction.sizes[contact][3] = 1;
+        return direction;
     }
     return std::nullopt;
 }

@@ -56,15 +56,18 @@ std::vector<double> element_volumes(const SolidMesh& mesh) {
     return volume;
 }
 
+/// `volume` of the elements; null: cells stay empty.
 SimulationState state_of(const PreparedSimulation& prepared, const SolidAssembly& solid,
                          const Equilibrium& found, double time_s,
-                         const std::vector<double>& volume) {
+                         const std::vector<double>* volume) {
     SimulationState state;
     state.time_s = time_s;
     state.displacement = found.displacement;
     state.reaction = found.reaction;
-    state.cells = cell_fields(solid, found.displacement);
-    state.energy_mn_mm = stored_energy(solid, state.cells, volume);
+    if (volume) {
+        state.cells = cell_fields(solid, found.displacement);
+        state.energy_mn_mm = stored_energy(solid, state.cells, *volume);
+    }
     state.force_mn = support_forces(prepared, found.reaction);
     state.force_mn.insert(state.force_mn.end(), found.contact.force.begin(),
                           found.contact.force.end());
@@ -85,7 +88,7 @@ std::vector<Vec3> motion_of(const std::vector<LoadTime>& times, std::size_t step
     return motion;
 }
 
-SimulationState rest_state(const PreparedSimulation& prepared, const std::vector<double>& volume) {
+SimulationState rest_state(const PreparedSimulation& prepared, const std::vector<double>* volume) {
     Equilibrium rest;
     rest.displacement.setZero(prepared.model.num_dofs());
     rest.reaction.setZero(prepared.model.num_dofs());
@@ -119,11 +122,11 @@ StateColumns state_columns(const PreparedSimulation& prepared, ColumnsAtTime fou
 }
 
 void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& times,
-                        const SimulationDirections& directions, const ProgressSink& progress) {
+                        const SimulationWish& wish, const ProgressSink& progress) {
     const PreparedSimulation& prepared = result.prepared;
     std::optional<HistoryColumns> columns;
-    if (directions) {
-        columns.emplace(prepared.model, times, directions(prepared, times));
+    if (wish.directions) {
+        columns.emplace(prepared.model, times, wish.directions(prepared, times));
         result.columns.push_back(
             columns_at_rest(prepared, Eigen::Index(columns->directions().size())));
     }
@@ -146,11 +149,13 @@ void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& t
                                     found.converged, found.message, found.records});
             if (found.load == 0) return;
             result.states.push_back(
-                state_of(prepared, solid, found, reached_s, result.element_volume_mm3));
+                state_of(prepared, solid, found, reached_s,
+                         wish.fills_cells ? &result.element_volume_mm3 : nullptr));
             result.states.back().obstacle_motion_mm = motion_of(times, step, found.load);
             if (columns && found.converged)
                 result.columns.push_back(state_columns(prepared, columns->advance(solid, found)));
-        });
+        },
+        wish.guesses);
 }
 
 void solve_motion(SimulationResult& result, const std::vector<LoadTime>& times,
@@ -163,7 +168,7 @@ void solve_motion(SimulationResult& result, const std::vector<LoadTime>& times,
             moment.contact = found.contact;
             moment.reaction = found.reaction;
             result.states.push_back(
-                state_of(result.prepared, solid, moment, found.time_s, result.element_volume_mm3));
+                state_of(result.prepared, solid, moment, found.time_s, &result.element_volume_mm3));
             result.states.back().kinetic_energy_mn_mm = found.kinetic_energy;
             result.states.back().obstacle_motion_mm = motion_of(times, result.steps.size(), 1);
             result.steps.push_back({found.time_s, found.time_s, 0, true, "reached", {}});
@@ -182,7 +187,7 @@ void solve_motion(SimulationResult& result, const std::vector<LoadTime>& times,
 }  // namespace
 
 SimulationResult run_simulation(const SimulationSettings& settings, const ProgressSink& progress,
-                                const SimulationDirections& directions) {
+                                const SimulationWish& wish) {
     const auto begin = std::chrono::steady_clock::now();
     report_progress(progress, "reading", 0, "mesh and loads");
     SimulationResult result;
@@ -194,11 +199,12 @@ SimulationResult run_simulation(const SimulationSettings& settings, const Progre
     std::vector<LoadTime> times;
     for (std::size_t k = 0; k < count; ++k)
         times.push_back({prepared.time_s[k], prepared.loads_at(settings, k)});
-    result.states.push_back(rest_state(prepared, result.element_volume_mm3));
+    result.states.push_back(
+        rest_state(prepared, wish.fills_cells ? &result.element_volume_mm3 : nullptr));
     if (settings.dynamics)
         solve_motion(result, times, progress);
     else
-        solve_quasi_static(result, times, directions, progress);
+        solve_quasi_static(result, times, wish, progress);
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;

@@ -36,6 +36,14 @@ struct StateColumns {
 using SimulationDirections = std::function<std::vector<HistoryDirection>(
     const PreparedSimulation& prepared, const std::vector<LoadTime>& times)>;
 
+/// What a run is asked for beside its states.
+struct SimulationWish {
+    SimulationDirections directions = {};  ///< the states come with their columns
+    /// [times] displacements that are near (`solve_history`), may be empty.
+    std::vector<Eigen::VectorXd> guesses = {};
+    bool fills_cells = true;  ///< whether states have `cells` and energies
+};
+
 /// How one step was solved.
 struct SimulationStep {
     double time_s = 0;  ///< that was asked for
@@ -73,11 +81,10 @@ struct SimulationResult {
 };
 
 /// Solves for all times, as a motion if the settings ask for it. Not converging is reported in the
-/// last step; the last state is what was reached. With `directions`, which a motion does not take,
-/// the states come with their columns, up to the last that converged. Throws Error as
+/// last step; the last state is what was reached. With `wish.directions`, which a motion does not
+/// take, the states come with their columns, up to the last that converged. Throws Error as
 /// `prepare_simulation`, `solve_history` and `HistoryColumns` do.
 SimulationResult run_simulation(const SimulationSettings& settings,
-                                const ProgressSink& progress = {},
-                                const SimulationDirections& directions = {});
+                                const ProgressSink& progress = {}, const SimulationWish& wish = {});
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/apps/identify/experiment_problem.hpp"
@@ -175,6 +176,79 @@ TEST_F(ExperimentTest, DisplacementsAndProfilesAreThoseOfTheDeformedBody) {
     EXPECT_NEAR(made->blocks[1].predicted[0], height(1), 1e-9);
     EXPECT_NEAR(made->blocks[1].predicted[1], height(2), 1e-9);
     EXPECT_NEAR(made->blocks[1].predicted[2], height(2), 1e-9);
+}
+
+/// A small section under a tube that sucks, and its profile.
+std::string suction() {
+    return "[mesh]\nformulation = \"axisymmetric\"\nvolume = \"element-mean\"\n"
+           "graded = {width_mm = 20, depth_mm = {value = 16, sd = 2}, edge_mm = 5.2, "
+           "columns_inside = 8, columns_outside = 5, rows = 6, finest_mm = 0.5, "
+           "surface_x_mm = [0, 2.5, 5.2], surface_y_mm = [0.8, 0.4, 0]}\n"
+           "[[material]]\nlaw = \"veronda-westmann\"\nmu_kpa = \"unknown\"\ngamma = 8\n"
+           "kappa_kpa = 500\nrelaxation = [{amplitude = 0.4, time_s = 4}]\n"
+           "[[fix]]\nwhere = {side = \"y-min\"}\n"
+           "[[obstacle]]\nshape = \"tube\"\nplace_mm = [0, 0]\ndirection = [0, -1]\n"
+           "hole_radius_mm = {value = 5, sd = 0.03}\nedge_radius_mm = {value = 0.2, sd = 0.05}\n"
+           "outer_radius_mm = 10\nfriction = {unknown = true, start = 0.2}\n"
+           "stiffness_kpa_per_mm = 500\nwhere = {point_array = \"surface\"}\n"
+           "[[pressure]]\nkpa = -1\nfollows = true\ncolumn = \"suck\"\n"
+           "where = {point_array = \"surface\", to_mm = [5.201, 9]}\n"
+           "[history]\ntime_s = [1, 2, 3, 4]\nsuck = [1.5, 3, 3, 1]\n"
+           "[newton]\nrelative_tolerance = 1e-12\n"
+           "[[data]]\nkind = \"profile\"\nfile = \"z.csv\"\nsd_mm = 0.02\n"
+           "where = {point_array = \"surface\"}\ndelay_s = {value = 0, sd = 0.02}\n"
+           "r_scale = {value = 1, sd = 0.005}\nz_scale = {value = 1, sd = 0.005}\n";
+}
+
+TEST_F(ExperimentTest, ColumnsOfAnInstrumentAreThoseOfWholeSimulations) {
+    write("z.csv", "time_s,r_mm,z_mm\n1.3,0,1\n2.4,2,1\n3.5,4,1\n");
+    const Experiment found = experiment(suction());
+    const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
+    const Eigen::VectorXd values = starts_of(found.parameters());
+    const auto centre = problem.predict(values, PredictedColumns::wanted, nullptr).prediction;
+    ASSERT_EQ(found.parameters().size(), 8u);
+
+    for (Eigen::Index k = 0; k < values.size(); ++k) {
+        const double h = 1e-4 * std::max(0.2, std::abs(values[k]));
+        const auto at = [&](double sign) {
+            Eigen::VectorXd moved = values;
+            moved[k] += sign * h;
+            return problem.predict(moved, PredictedColumns::none, centre.get())
+                .prediction->blocks[0]
+                .predicted;
+        };
+        const Eigen::VectorXd slope = (at(1) - at(-1)) / (2 * h);
+        EXPECT_GT(slope.norm(), 0) << found.paths()[k];
+        EXPECT_LT((centre->blocks[0].columns.col(k) - slope).norm(), 1e-4 * slope.norm())
+            << found.paths()[k];
+    }
+    // From the heights that the file has: z_scale z.
+    const DataBlock& block = centre->blocks[0];
+    const auto scale = std::find(found.paths().begin(), found.paths().end(), "data[1].z_scale");
+    ASSERT_NE(scale, found.paths().end());
+    EXPECT_LT((block.columns.col(scale - found.paths().begin()) - block.predicted).norm(),
+              1e-6 * block.predicted.norm());
+}
+
+TEST_F(ExperimentTest, ASimulationThatBeginsFromAnotherOneSaysTheSame) {
+    write("z.csv", "time_s,r_mm,z_mm\n1.3,0,1\n2.4,2,1\n3.5,4,1\n");
+    const Experiment found = experiment(suction());
+    const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
+    const Eigen::VectorXd values = starts_of(found.parameters());
+    const auto centre = problem.predict(values, PredictedColumns::wanted, nullptr).prediction;
+    for (const double factor : {0.5, 0.9, 1.2, 2.0}) {
+        Eigen::VectorXd moved = values;
+        moved[1] *= factor;
+        ASSERT_EQ(found.paths()[1], "material[1].mu_kpa");
+        const auto warm = problem.predict(moved, PredictedColumns::none, centre.get());
+        const auto cold = problem.predict(moved, PredictedColumns::none, nullptr);
+        ASSERT_TRUE(warm.prediction && cold.prediction) << warm.failure << cold.failure;
+        EXPECT_LT((warm.prediction->blocks[0].predicted - cold.prediction->blocks[0].predicted)
+                      .cwiseAbs()
+                      .maxCoeff(),
+                  1e-8)
+            << factor;
+    }
 }
 
 TEST_F(ExperimentTest, AModulusIsFoundAgainAndAPlanTellsItsInterval) {
