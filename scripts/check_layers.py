@@ -60,7 +60,9 @@ ALLOWED = {
     "host/apps/all": APPLICATION + [f"host/apps/{name}" for name in APPLICATIONS],
     "host/apps/springs": APPLICATION,
     "host/apps/phantom": COMPUTING + RECOVER[:1],
-    "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom"],
+    # Outlines of tissue in frames are found without files, settings and pages.
+    "host/apps/aspirate/contours": ["solver/base"],
+    "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom", "host/apps/aspirate/contours"],
     "host/apps/simulate": COMPUTING,
     # An experiment is a simulation with unknown numbers.
     "host/apps/identify": COMPUTING + ["host/apps/simulate"],
