@@ -20,6 +20,10 @@ constexpr float temperature = 0.6F;  // neighbours share pixels: their evidence 
 constexpr float step_reward = 2.5, derivative_reward = 1.5;
 constexpr float full_part = 0.25;  // of the tissue's contrast earns the full reward
 constexpr float bend_weight = 1.2F, bend_curvature = 1.5F;
+constexpr float most_spread = 0.4F;   // of the tissue's light, as a part of it
+constexpr float darkest_part = 0.5F;  // of the tissue's median light
+constexpr float slope_share = 0.5F;
+constexpr float guess_weight = 0.1F;
 constexpr float jump_weight = 0.4F;  // per row from where the frame before lets expect it
 constexpr float most_jump = 12;      // rows
 constexpr Index step_rows = 5;       // that the means of a step are taken of
@@ -173,7 +177,8 @@ void ContourTracker::smooth_residuals() {
 void ContourTracker::weigh_pixels() {
     const float sigma = std::max(smooth_sigma_, 0.4F);
     for (Index x = 0; x < width_; ++x) {
-        const float tissue_sd = std::sqrt(sigma * sigma + tissue_sd_ * tissue_sd_);
+        const float spread = std::min(tissue_sd_, most_spread * tissue_[x]);
+        const float tissue_sd = std::sqrt(sigma * sigma + spread * spread);
         const float per_sigma = 1 / sigma, per_sd = 1 / tissue_sd, tissue = tissue_[x];
         const float width_term = 0.5F * std::log(tissue_sd / sigma);
         float* evidence = &column_sum_[x * stride_];
@@ -230,10 +235,11 @@ void ContourTracker::weigh_steps() {
                        (b < derivative_reward ? b : derivative_reward);
         }
         if (!has_last_) continue;
+        const float weight = outline_[x].flag == PointFlag::ok ? jump_weight : guess_weight;
         const float expected = last_row_[x] + last_velocity_[x] + 0.5F;
         for (Index y = 0; y <= rows_; ++y) {
             const float away = float(y) < expected ? expected - float(y) : float(y) - expected;
-            cost[y] += jump_weight * (away < most_jump ? away : most_jump);
+            cost[y] += weight * (away < most_jump ? away : most_jump);
         }
     }
 }
@@ -242,28 +248,35 @@ void ContourTracker::search() {
     weigh_pixels();
     weigh_steps();
     for (Index x = 0; x < width_; ++x)
-        slope_[x] = shape_.is_fitted() ? float(std::clamp(shape_.slope(x), -3.0, 3.0)) : 0;
+        slope_[x] =
+            shape_.is_fitted() ? slope_share * float(std::clamp(shape_.slope(x), -3.0, 3.0)) : 0;
     search_.set_bend(slope_, bend_weight, bend_curvature);
     search_.run();
     search_.margins(far_rows, margin_);
 }
 
-/// How bright the tissue is below the outline: medians over 25 columns of column means.
+/// How bright the tissue is below the outline: medians over 61 columns of column means.
 void ContourTracker::learn_tissue() {
-    constexpr Index half = 12, from = 3, to = 13;
+    constexpr Index half = 30, step = 8, from = 3, to = 13;
     for (Index x = 0; x < width_; ++x) {
         const Index begin = visible_row(x) + from, end = std::min(visible_row(x) + to, rows_ + 1);
         float sum = 0;
         for (Index y = begin; y < end; ++y) sum += residual_[x * stride_ + y];
         tissue_new_[x] = end - begin >= 4 ? sum / float(end - begin) : -1e6F;
     }
-    float last = tissue_[width_ / 2];
-    for (Index x0 = 0; x0 < width_; x0 += 4) {
+    // Light falls off, but not to nothing: what is darker by far is background below a wrong path
+    window_.clear();
+    for (const float mean : tissue_new_)
+        if (mean > -1e5F) window_.push_back(mean);
+    const float darkest =
+        std::max(3 * smooth_sigma_, window_.empty() ? 0 : darkest_part * median_of(window_));
+    float last = std::max(darkest, tissue_[width_ / 2]);
+    for (Index x0 = 0; x0 < width_; x0 += step) {
         window_.clear();
         for (Index x = std::max<Index>(0, x0 - half); x <= std::min(width_ - 1, x0 + half); ++x)
             if (tissue_new_[x] > -1e5F) window_.push_back(tissue_new_[x]);
-        if (window_.size() >= 6) last = std::max(median_of(window_), 3 * smooth_sigma_);
-        for (Index x = x0; x < std::min(x0 + 4, width_); ++x)
+        if (window_.size() >= 6) last = std::max(median_of(window_), darkest);
+        for (Index x = x0; x < std::min(x0 + step, width_); ++x)
             tissue_[x] = has_begun_ ? 0.7F * tissue_[x] + 0.3F * last : last;
     }
     window_.clear();

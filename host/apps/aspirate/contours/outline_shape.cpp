@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double least_spread = 0.5;  // pixels: what nine terms do not follow
-constexpr int columns_per_term = 25;
+constexpr int columns_per_term = 60, least_terms = 4;
 constexpr int first_rounds = 8, rounds = 3;
 
 }  // namespace
@@ -58,7 +58,8 @@ void OutlineShape::solve(const std::vector<float>& rows, const std::vector<float
         normal.noalias() += w * table_[x] * table_[x].transpose();
         right.noalias() += w * double(rows[x]) * table_[x];
     }
-    const int used = std::clamp(3 + int(last_ - first_) / columns_per_term, 4, num_terms);
+    const int used =
+        std::clamp(least_terms + int(last_ - first_) / columns_per_term, least_terms, num_terms);
     // High terms are small; columns that are left out must not let them go anywhere.
     for (int k = 0; k < num_terms; ++k) normal(k, k) += k < used ? 1e-6 + 2e-4 * k * k : 1e9;
     coefficients_ = normal.ldlt().solve(right);
