@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-constexpr Index num_films = 4, num_frames = 40;
+constexpr Index num_films = 12, num_frames = 40;
 constexpr unsigned first_film = 101;  // the method was tuned on films 1 to 4
 constexpr double outlier_px = 3;      // a point is wrong beyond
 constexpr double margin_rows = 6;     // points nearer to the line of visibility do not count
