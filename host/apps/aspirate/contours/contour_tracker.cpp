@@ -445,9 +445,4 @@ void ContourTracker::remember() {
     has_last_ = true;
 }
 
-const char* name_of(PointFlag flag) {
-    constexpr const char* names[] = {"ok", "guessed", "hidden", "lost"};
-    return names[std::size_t(flag)];
-}
-
 }  // namespace palpate

@@ -22,7 +22,6 @@ enum class PointFlag : std::uint8_t {
     hidden,   ///< below the line of visibility, behind the rim
     lost,     ///< nothing in the column tells tissue from what is behind it
 };
-const char* name_of(PointFlag flag);
 
 struct OutlinePoint {
     double row = 0;  ///< of the tissue's edge, pixels; a pixel's centre is a whole number
