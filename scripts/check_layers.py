@@ -22,7 +22,7 @@ GEOMETRY = FILES + ["host/geometry/fields", "host/geometry/surfaces", "host/geom
 PAGES = GEOMETRY + ["host/page"]
 APPLICATION = PAGES + ["host/estimate", "host/apps/application"]
 COMPUTING = APPLICATION + ["host/apps/compute_options"]
-APPLICATIONS = ["recover/run", "simulate", "identify", "springs", "phantom", "study"]
+APPLICATIONS = ["recover/run", "simulate", "identify", "springs", "phantom", "study", "aspirate"]
 FACES = ["host/apps/application", "host/apps/describe", "host/apps/all"]
 RECOVER = [f"host/apps/recover/{station}"
            for station in ("modelling", "objectives", "inverse", "result", "report", "pipeline")]
@@ -60,7 +60,10 @@ ALLOWED = {
     "host/apps/all": APPLICATION + [f"host/apps/{name}" for name in APPLICATIONS],
     "host/apps/springs": APPLICATION,
     "host/apps/phantom": COMPUTING + RECOVER[:1],
-    "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom"],
+    # Outlines of tissue in frames are found without files, settings and pages.
+    "host/apps/aspirate/contours": ["solver/base"],
+    "host/apps/aspirate": APPLICATION + ["host/apps/aspirate/contours"],
+    "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom", "host/apps/aspirate/contours"],
     "host/apps/simulate": COMPUTING,
     # An experiment is a simulation with unknown numbers.
     "host/apps/identify": COMPUTING + ["host/apps/simulate"],

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/all.hpp"
 
+#include "host/apps/aspirate/aspirate_application.hpp"
 #include "host/apps/identify/identify_application.hpp"
 #include "host/apps/phantom/phantom_application.hpp"
 #include "host/apps/recover/run/recover_application.hpp"
@@ -16,6 +17,7 @@ const std::vector<Application>& applications() {
     static const std::vector<Application> all = {
         recover_application(),  phantom_application(), simulate_application(),
         identify_application(), study_application(),   springs_application(),
+        aspirate_application(),
     };
     return all;
 }

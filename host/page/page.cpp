@@ -13,7 +13,8 @@ std::string page_html(const Page& page) {
     const bool has_scripts = !page.scripts.empty();
     return fill_template(
         page_html_template(),
-        {{"policy", has_scripts ? "; script-src 'unsafe-inline'; img-src data:" : ""},
+        {{"policy",
+          std::string("; img-src data:") + (has_scripts ? "; script-src 'unsafe-inline'" : "")},
          {"css", std::string(page_css()) + page.style},
          {"kind", escape_html(page.kind)},
          {"version", escape_html(page.version)},

@@ -26,6 +26,9 @@ const std::vector<StudyEntry>& study_registry() {
          make_sensitivity_study},
         {"registration", "Landmarks inside the prostate against ITK's demons", 10,
          make_registration_study},
+        {"aspiration-contours",
+         "Outlines of sucked tissue from frames with a known outline, beside the published method",
+         0, make_aspiration_contours_study, false},
     };
     return entries;
 }

@@ -49,5 +49,6 @@ Study make_parameter_scan(const StudyOptions& options);
 Study make_sensitivity_study(const StudyOptions& options);
 Study make_registration_study(const StudyOptions& options);
 Study make_zones_study(const StudyOptions& options);
+Study make_aspiration_contours_study(const StudyOptions& options);
 
 }  // namespace palpate

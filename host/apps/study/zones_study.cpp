@@ -61,17 +61,17 @@ PelvisCase pelvis_case(Kind kind, unsigned seed, const StudyOptions& options) {
     return work;
 }
 
-void set_zone(Row& row, const std::string& zone, double true_kpa, const RecoveryResult& result) {
+void set_zone(Row& row, const std::string& zone, double truth_kpa, const RecoveryResult& result) {
     const auto found =
         std::find_if(result.regions.begin(), result.regions.end(),
                      [&](const RegionResult& region) { return region.name == zone + "_zone"; });
     const auto& [low, high] = found->interval_kpa;
-    row.set(zone + "_true_kpa", true_kpa, 1);
+    row.set(zone + "_true_kpa", truth_kpa, 1);
     row.set(zone + "_found_kpa", found->stiffness_kpa, 2);
-    row.set(zone + "_error_percent", 100 * (found->stiffness_kpa / true_kpa - 1), 1);
+    row.set(zone + "_error_percent", 100 * (found->stiffness_kpa / truth_kpa - 1), 1);
     row.set(zone + "_low_kpa", low, 2);
     row.set(zone + "_high_kpa", high, 2);
-    row.set_flag(zone + "_holds_truth", low <= true_kpa && true_kpa <= high);
+    row.set_flag(zone + "_holds_truth", low <= truth_kpa && truth_kpa <= high);
     row.set(zone + "_verdict", std::string(name_of(found->verdict)));
     row.set(zone + "_reason", found->reason);
 }

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/contours_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "host/page/legend.hpp"
+#include "host/page/packing.hpp"
+#include "host/page/page.hpp"
+#include "host/page/plot.hpp"
+#include "host/page/png.hpp"
+#include "host/system/version.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t most_shown = 12;
+constexpr const char* sure_colour = "#22c55e";
+constexpr const char* guess_colour = "#ff8c1a";
+
+/// Runs of points with (or without) a flag as lines, hidden ones left out.
+std::string lines_of(const Outline& outline, bool is_sure, const char* colour, double stretch) {
+    std::string lines, points;
+    const auto end_line = [&] {
+        if (!points.empty())
+            lines += fmt::format(
+                "<polyline points='{}' fill='none' stroke='{}' stroke-width='1.2' "
+                "stroke-linecap='round' stroke-linejoin='round'/>",
+                points, colour);
+        points.clear();
+    };
+    for (std::size_t x = 0; x < outline.size(); ++x) {
+        const OutlinePoint& point = outline[x];
+        const bool is_drawn =
+            point.flag != PointFlag::hidden && (point.flag == PointFlag::ok) == is_sure;
+        if (!is_drawn) {
+            end_line();
+            continue;
+        }
+        if (points.empty()) points = fmt::format("{},{:.2f} ", x, (point.row + 0.5) * stretch);
+        points += fmt::format("{:.1f},{:.2f} ", double(x) + 0.5, (point.row + 0.5) * stretch);
+    }
+    end_line();
+    return lines;
+}
+
+/// Pixels are drawn as they are on the tissue: a row is `stretch` of a column high.
+std::string picture(const FilmStrip::Shown& shown, double rate_hz, double stretch) {
+    std::vector<std::uint8_t> grey;
+    for (const float value : shown.frame.grey)
+        grey.push_back(std::uint8_t(std::clamp(std::lround(value), 0L, 255L)));
+    const Index width = shown.frame.width, height = shown.frame.height;
+    const double drawn = height * stretch;
+    return fmt::format(
+        "<figure><svg viewBox='0 0 {0} {1:.1f}' role='img' aria-label='frame {2}'>"
+        "<image href='data:image/png;base64,{3}' width='{0}' height='{1:.1f}' "
+        "preserveAspectRatio='none' style='image-rendering:pixelated'/>{4}{5}</svg>"
+        "<figcaption>{6:.2f} s, frame {7}</figcaption></figure>",
+        width, drawn, shown.number + 1, to_base64(png_of(width, height, grey)),
+        lines_of(shown.outline, true, sure_colour, stretch),
+        lines_of(shown.outline, false, guess_colour, stretch), shown.number / rate_hz,
+        shown.number + 1);
+}
+
+}  // namespace
+
+void FilmStrip::add(const GreyFrame& frame, const Outline& outline) {
+    const Index number = number_++;
+    if (number % step_ != 0) return;
+    if (shown_.size() == most_shown) {
+        step_ *= 2;
+        std::erase_if(shown_, [&](const Shown& one) { return one.number % step_ != 0; });
+        if (number % step_ != 0) return;
+    }
+    shown_.push_back({number, frame, outline});
+}
+
+std::string contours_page(const FilmStrip& strip, const std::string& headline,
+                          const std::string& figures, const std::vector<double>& seconds,
+                          const std::vector<double>& apex_mm, double rate_hz,
+                          double rows_per_column) {
+    std::string pictures;
+    for (const FilmStrip::Shown& shown : strip.shown())
+        pictures += picture(shown, rate_hz, rows_per_column);
+    std::string curve;
+    if (!seconds.empty()) {
+        const auto [low, high] = std::minmax_element(apex_mm.begin(), apex_mm.end());
+        const double edge = 0.05 + 0.05 * (*high - *low);
+        Plot plot("apex", 640, 260, {0, std::max(1e-3, seconds.back()), false, "time, s"},
+                  {*low - edge, *high + edge, false, "highest point, mm above the rim's face"});
+        plot.curve(seconds, apex_mm, "var(--accent)", false);
+        curve = "<figure>" + plot.svg("Highest point of the tissue over time") + "</figure>";
+    }
+    return page_html(
+        {.kind = "palpate aspirate contours",
+         .version = version_text(),
+         .headline = headline,
+         .lead = "<p class='summary'>Outlines of tissue in the frames of a film.</p>",
+         .main = section_html("figures", "Figures", figures) +
+                 section_html("apex", "Travel", curve) +
+                 section_html("frames", "Frames",
+                              legend_html({{"outline", sure_colour}, {"guessed", guess_colour}}) +
+                                  "<div class='strip'>" + pictures + "</div>"),
+         .footer = "All points: <code>profiles.csv</code>.",
+         .style = ".strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(260px,1fr));"
+                  "gap:14px}.strip figure{margin:0}.strip svg{width:100%;display:block}"
+                  ".legend{display:flex;gap:18px;margin-bottom:10px}.legend i{display:inline-block;"
+                  "width:14px;height:3px;margin-right:6px;vertical-align:middle}"});
+}
+
+}  // namespace palpate

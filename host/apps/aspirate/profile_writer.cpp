@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/profile_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t frames_for_axis = 10;
+constexpr Index least_pairs = 5;
+constexpr double coarse_step = 0.5, fine_step = 0.05;  // pixels
+
+/// The row between columns; empty beside points without a flag.
+std::optional<double> row_at(const Outline& outline, double column) {
+    const auto left = Index(std::floor(column));
+    if (left < 0 || left + 1 >= Index(outline.size())) return std::nullopt;
+    const OutlinePoint &a = outline[std::size_t(left)], &b = outline[std::size_t(left) + 1];
+    if (a.flag != PointFlag::ok || b.flag != PointFlag::ok) return std::nullopt;
+    return a.row + (column - left) * (b.row - a.row);
+}
+
+OutlineAxis about(const std::vector<Outline>& outlines, double column) {
+    OutlineAxis axis{column};
+    double squares = 0;
+    for (const Outline& outline : outlines)
+        for (double d = 1; d < double(outline.size()) / 2; d += 2) {
+            const auto left = row_at(outline, column - d), right = row_at(outline, column + d);
+            if (!left || !right) continue;
+            squares += 0.25 * (*left - *right) * (*left - *right);
+            ++axis.num_pairs;
+        }
+    axis.asymmetry = axis.num_pairs ? std::sqrt(squares / axis.num_pairs) : 0;
+    return axis;
+}
+
+}  // namespace
+
+OutlineAxis find_axis(const std::vector<Outline>& outlines) {
+    const double middle = outlines.empty() ? 0 : 0.5 * double(outlines[0].size() - 1);
+    const Index enough = std::max(least_pairs, about(outlines, middle).num_pairs / 2);
+    OutlineAxis best = about(outlines, middle);
+    const auto search = [&](double from, double to, double step) {
+        for (double column = from; column <= to; column += step) {
+            const OutlineAxis one = about(outlines, column);
+            if (one.num_pairs >= enough &&
+                (best.num_pairs < enough || one.asymmetry < best.asymmetry))
+                best = one;
+        }
+    };
+    search(0.6 * middle, 1.4 * middle, coarse_step);
+    search(best.column - coarse_step, best.column + coarse_step, fine_step);
+    return best;
+}
+
+ProfileWriter::ProfileWriter(const AspirationInstrument& instrument,
+                             std::function<void(const std::string&)> write)
+    : instrument_(instrument), write_(std::move(write)) {
+    write_("time_s,r_mm,z_mm,sd_mm,flag\n");
+}
+
+void ProfileWriter::add(const Outline& outline) {
+    if (axis_) return write_rows(outline);
+    waiting_.push_back(outline);
+    if (instrument_.axis_column_px || waiting_.size() == frames_for_axis) settle_axis();
+}
+
+void ProfileWriter::settle_axis() {
+    axis_ = instrument_.axis_column_px ? about(waiting_, *instrument_.axis_column_px)
+                                       : find_axis(waiting_);
+    for (const Outline& outline : waiting_) write_rows(outline);
+    waiting_.clear();
+}
+
+void ProfileWriter::finish() {
+    if (!axis_) settle_axis();
+}
+
+// r = (x - x_axis) pixel_r,  z = (y_base - y) pixel_z
+void ProfileWriter::write_rows(const Outline& outline) {
+    const double time_s = number_++ / instrument_.rate_hz;
+    const double radius = 0.5 * instrument_.hole_diameter_mm, rim = instrument_.rim_thickness_mm;
+    text_.clear();
+    for (std::size_t x = 0; x < outline.size(); ++x) {
+        const OutlinePoint& point = outline[x];
+        const double r_mm = (double(x) - axis_->column) * instrument_.pixel_r_um / 1000;
+        if (std::abs(r_mm) > radius) continue;
+        const bool is_hidden = point.flag == PointFlag::hidden;
+        const double mm = instrument_.pixel_z_um / 1000;
+        const double z_mm = is_hidden ? rim / 2 : (instrument_.base_row_px - point.row) * mm;
+        const double sd_mm = is_hidden ? rim / std::sqrt(12.0) : point.sd * mm;
+        fmt::format_to(std::back_inserter(text_), "{:.4f},{:.4f},{:.5f},{:.5f},{}\n", time_s, r_mm,
+                       z_mm, sd_mm, int(point.flag));
+    }
+    write_(text_);
+}
+
+}  // namespace palpate

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""palpate aspirate contours on frames of another make, from files and from a pipe, and what is refused."""
+import csv
+import io
+import json
+import subprocess
+
+import numpy
+import pytest
+
+from tests.conftest import PROGRAM, run_palpate
+from tests.independent import silhouettes
+
+NUM_FRAMES = 16
+SETTINGS = """[instrument]
+hole_diameter_mm = 10.0
+rim_thickness_mm = 0.5
+pixel_r_um = 62.9
+pixel_z_um = 31.75
+base_row_px = 150
+axis_column_px = 89.5
+[frames]
+rate_hz = 25.0
+"""
+
+
+@pytest.fixture()
+def settings(tmp_path):
+    path = tmp_path / "aspiration.toml"
+    path.write_text(SETTINGS)
+    return path
+
+
+def write_frames(folder, frames):
+    folder.mkdir()
+    for number, frame in enumerate(frames):
+        header = f"P5\n{frame.shape[1]} {frame.shape[0]}\n255\n".encode()
+        (folder / f"frame{number:04d}.pgm").write_bytes(header + frame.tobytes())
+    return folder
+
+
+def from_pipe(settings, frames, size="180x180"):
+    return subprocess.run([str(PROGRAM), "aspirate", "contours", "-", "--raw", size, "--config", str(settings),
+                           "--quiet"], input=b"".join(frame.tobytes() for frame in frames), capture_output=True,
+                          timeout=300)
+
+
+def judged(text, truths):
+    """Errors in pixels of points without a flag, and the share of those with one."""
+    errors, flagged, points = [], 0, 0
+    for row in csv.DictReader(io.StringIO(text)):
+        frame = round(float(row["time_s"]) * 25)
+        column = round(float(row["r_mm"]) / 0.0629 + 89.5)
+        true = truths[frame][column]
+        if true > silhouettes.VISIBLE_ROWS - 6:
+            continue
+        points += 1
+        if row["flag"] != "0":
+            flagged += 1
+        else:
+            errors.append(150 - float(row["z_mm"]) / 0.03175 - true)
+    return numpy.array(errors), flagged / points
+
+
+@pytest.mark.parametrize("kind", silhouettes.SUITE, ids=lambda kind: kind.name)
+def test_points_that_are_wrong_are_flagged(kind, settings):
+    errors, flagged = [], []
+    for seed in (1, 2):
+        frames, truths = zip(*silhouettes.film(kind, seed, NUM_FRAMES))
+        finished = from_pipe(settings, frames)
+        assert finished.returncode == 0, finished.stderr
+        some, share = judged("\n".join(line for line in finished.stdout.decode().splitlines() if line[0] != "#"),
+                             truths)
+        errors.append(some)
+        flagged.append(share)
+    errors = numpy.concatenate(errors)
+    near = errors[numpy.abs(errors) <= 3]
+    wrong = 1 - len(near) / len(errors)
+    print(f"{kind.name}: rms {near.std():.3f} px, bias {near.mean():.3f}, beyond 3 px {100 * wrong:.2f} %, "
+          f"flagged {100 * numpy.mean(flagged):.1f} %")
+    assert wrong <= 0.01
+    assert numpy.mean(flagged) <= 0.15
+
+
+def test_files_and_a_pipe_give_the_same_bytes(settings, tmp_path):
+    frames = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 3, 12)]
+    folder = write_frames(tmp_path / "frames", frames)
+
+    finished = run_palpate("aspirate", "contours", folder, "--config", settings, "--out", tmp_path / "out", "--quiet")
+    piped = from_pipe(settings, frames)
+
+    assert finished.returncode == 0, finished.stderr
+    lines = [line for line in piped.stdout.splitlines(keepends=True) if not line.startswith(b"#")]
+    assert (tmp_path / "out/profiles.csv").read_bytes() == b"".join(lines)
+    result = json.loads((tmp_path / "out/result.json").read_text())
+    assert result["frames"] == 12
+    assert result["travel_mm"] == pytest.approx(1.6, abs=0.1)
+    assert "data:image/png" in (tmp_path / "out/contours.html").read_text()
+
+
+def test_bad_input_gets_its_code_and_a_sentence(settings, tmp_path):
+    good = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 4, 2)]
+    smaller = [good[0], good[1][:170]]
+    cut = write_frames(tmp_path / "cut", good)
+    (cut / "frame0001.pgm").write_bytes((cut / "frame0001.pgm").read_bytes()[:500])
+    (tmp_path / "empty").mkdir()
+    cases = [
+        (cut, 3, "is cut"),
+        (write_frames(tmp_path / "sizes", smaller), 3, "one film"),
+        (tmp_path / "empty", 3, "no folder with frames"),
+        (tmp_path / "missing", 3, "no folder with frames"),
+        (write_frames(tmp_path / "black", [0 * good[0]]), 4, "all black"),
+        (write_frames(tmp_path / "white", [0 * good[0] + 255]), 4, "all white"),
+        (write_frames(tmp_path / "grey", [0 * good[0] + 90] * 2), 4, "no tissue"),
+    ]
+    for folder, code, words in cases:
+        finished = run_palpate("aspirate", "contours", folder, "--config", settings, "--out", tmp_path / "out")
+        assert finished.returncode == code, (folder, finished.stderr)
+        assert words in finished.stderr
+        assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("change, words", [
+    (("rate_hz = 25.0", "rate_hz = 25.0\nshutter = 1"), "shutter"),
+    (("pixel_r_um = 62.9\n", ""), "pixel_r_um"),
+    (("rate_hz = 25.0", "rate_hz = -1"), "rate_hz"),
+    (("rate_hz = 25.0", 'rate_hz = 25.0\nmethod = "guess"'), "method"),
+])
+def test_settings_are_read_strictly(change, words, settings, tmp_path):
+    settings.write_text(SETTINGS.replace(*change))
+    frames = write_frames(tmp_path / "frames", [numpy.full((180, 180), 90, numpy.uint8)])
+    finished = run_palpate("aspirate", "contours", frames, "--config", settings, "--out", tmp_path / "out")
+    assert finished.returncode == 2
+    assert words in finished.stderr
