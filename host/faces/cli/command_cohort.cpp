@@ -50,7 +50,7 @@ int plan_cohort(const PlanArguments& a) {
     write_planned(planned, folder, a.skip_bad);
     double seconds = 0;
     for (const CohortPatient& patient : planned.plan.patients) seconds += patient.estimate_s;
-    fmt::print("{} pairs of {} patients, about {:.1f} core hours, kept as '{}'\n",
+    fmt::print("{} pairs of {} patients, about {:.2g} core hours, kept as '{}'\n",
                planned.plan.num_cases(), planned.plan.patients.size(), seconds / 3600,
                name_of(planned.plan.keep));
     if (planned.plan.num_bad_rows > 0)
