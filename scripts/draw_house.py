@@ -77,6 +77,7 @@ def exceptions():
 CAPTIONS = {
     "host/faces/cli": "palpate: commands", "host/faces/capi": "libpalpate.so, palpate.h",
     "host/faces/python": "import palpate", "host/faces/slicer": "3D Slicer module",
+    "host/cohort": "plan, run, collect",
     "host/apps/phantom": "cases of known answer", "host/apps/export": "other solvers' files",
     "host/apps/simulate": "loads in, motion out", "host/apps/study": "many phantoms",
     "host/apps/recover/modelling": "settings, tissue, roles", "host/apps/recover/objectives": "distances and their noise",

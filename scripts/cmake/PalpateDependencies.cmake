@@ -15,6 +15,7 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
+find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)    # SHA-256
 
 find_package(Boost 1.74 REQUIRED)    # headers: distributions of Boost.Math
 

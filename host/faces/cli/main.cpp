@@ -77,6 +77,7 @@ int parse_and_run(int argc, char** argv) {
     palpate::Run run;
     for (const palpate::Application& application : palpate::applications())
         palpate::add_application(app, application, run);
+    palpate::add_cohort(app, run);
     palpate::add_warp(app, run);
     palpate::add_export(app, run);
     palpate::add_devices(app, run);

@@ -62,11 +62,44 @@ std::optional<SavedReference> read_saved(const RecoverOptions& options,
     return read_saved_reference(options.load_reduced);
 }
 
-std::vector<LabelledState> make_states(const std::vector<Segmentation>& targets,
-                                       const Settings& settings) {
-    std::vector<LabelledState> states;
-    for (const auto& target : targets) states.push_back(make_state(target, settings));
+/// A target before it is searched: where it stands among those that were asked for, or the error
+/// that ends it.
+template <class State>
+struct Ready {
+    std::size_t number = 0;
+    std::optional<State> state = std::nullopt;
+    std::optional<Error> error = std::nullopt;
+};
+
+/// `make` for target `number`; its error is kept where `tell` wants to go on without that target.
+template <class Make>
+auto made_ready(std::size_t number, const TargetSinks& tell, const Make& make) {
+    Ready<decltype(make())> ready{number};
+    try {
+        ready.state = make();
+    } catch (const Error& error) {
+        if (!tell.goes_on_without || ends_all(error)) throw;
+        ready.error = error;
+    }
+    return ready;
+}
+
+using ReadyLabels = std::vector<Ready<LabelledState>>;
+using ReadyTargets = std::vector<Ready<TargetState>>;
+
+ReadyLabels make_states(const std::vector<Segmentation>& targets, const Settings& settings,
+                        const TargetSinks& tell) {
+    ReadyLabels states;
+    for (std::size_t k = 0; k < targets.size(); ++k)
+        states.push_back(made_ready(k, tell, [&] { return make_state(targets[k], settings); }));
     return states;
+}
+
+/// Tells of those with an error and leaves them out.
+void tell_unready(ReadyTargets& targets, const TargetSinks& tell) {
+    for (const auto& target : targets)
+        if (target.error) tell.failed(target.number, *target.error);
+    std::erase_if(targets, [](const auto& target) { return target.error.has_value(); });
 }
 
 /// The reference, as far as the alignment needs it: with its surfaces, or as it was saved.
@@ -178,7 +211,7 @@ void check_options(const RecoverOptions& options) {
 }
 
 /// Brings the targets into the frame of the reference, whose surfaces are known by then.
-using Align = std::function<std::vector<TargetState>(const ReferenceState& reference)>;
+using Align = std::function<ReadyTargets(const ReferenceState& reference)>;
 
 void recover_aligned(LabelledState reference, std::optional<SavedReference> saved,
                      const Align& align, const std::vector<std::string>& repeats,
@@ -186,24 +219,29 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
                      const ProgressSink& progress) {
     ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
     timer.start("aligning");
-    std::vector<TargetState> aligned = align(state);
-    std::future<TargetShapes> next = start_target_shapes(aligned.front(), options.settings);
+    ReadyTargets aligned = align(state);
+    tell_unready(aligned, tell);
+    if (aligned.empty()) return;
+    std::future<TargetShapes> next = start_target_shapes(*aligned.front().state, options.settings);
     const PreparedReference prepared =
         finish_reference(std::move(state), std::move(saved), options, timer, progress);
     save(prepared, options, timer, progress);
     timer.stop();
 
     JointTargets together;
-    for (std::size_t k = 0; k < aligned.size(); ++k) {
-        if (aligned.size() > 1) {
+    for (std::size_t at = 0; at < aligned.size(); ++at) {
+        const std::size_t k = aligned[at].number;
+        TargetState& target = *aligned[at].state;
+        if (repeats.size() > 1) {
             report_progress(progress, fmt::format("target {}", k + 1), 0,
-                            fmt::format("of {}: {}", aligned.size(), aligned[k].name));
+                            fmt::format("of {}: {}", repeats.size(), target.name));
         }
         std::future<TargetShapes> shapes = std::move(next);
-        if (k + 1 < aligned.size()) next = start_target_shapes(aligned[k + 1], options.settings);
+        if (at + 1 < aligned.size())
+            next = start_target_shapes(*aligned[at + 1].state, options.settings);
         try {
             JointTarget joint;
-            RecoveryResult result = recover_target(prepared, aligned[k], std::move(shapes), options,
+            RecoveryResult result = recover_target(prepared, target, std::move(shapes), options,
                                                    timer, joint, progress);
             const bool converged = result.termination.converged;
             const double seconds = seconds_after(timer, result);
@@ -228,14 +266,19 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
     timer.start("reading");
     std::optional<SavedReference> saved = read_saved(options, progress);
     report_progress(progress, "reading", 0, "smoothing the segmentations");
-    auto reading =
-        std::async(std::launch::async, [&] { return make_states(targets, options.settings); });
+    auto reading = std::async(std::launch::async,
+                              [&] { return make_states(targets, options.settings, tell); });
     LabelledState reference_state = make_state(reference, options.settings);
-    std::vector<LabelledState> states = reading.get();
+    ReadyLabels states = reading.get();
     const auto align = [&](const ReferenceState& state) {
-        std::vector<TargetState> aligned;
+        ReadyTargets aligned;
         for (auto& target : states) {
-            aligned.push_back(align_target(std::move(target), state, options, progress));
+            if (target.error)
+                aligned.push_back({target.number, std::nullopt, target.error});
+            else
+                aligned.push_back(made_ready(target.number, tell, [&] {
+                    return align_target(std::move(*target.state), state, options, progress);
+                }));
         }
         return aligned;
     };
@@ -252,8 +295,8 @@ RecoveryResult recover(const Segmentation& reference, const PartialTarget& targe
     std::optional<SavedReference> saved = read_saved(options, progress);
     report_progress(progress, "reading", 0, "smoothing the segmentation");
     const auto place = [&](const ReferenceState& state) {
-        std::vector<TargetState> placed;
-        placed.push_back(place_target(target, state, options));
+        ReadyTargets placed;
+        placed.push_back({0, place_target(target, state, options)});
         return placed;
     };
     RecoveryResult only;

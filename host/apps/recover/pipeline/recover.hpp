@@ -30,6 +30,9 @@ struct TargetSinks {
     ResultSink result;
     FailureSink failed = {};  ///< empty: errors of one target go to the caller
     JointSink joint = {};     ///< empty: no joint estimate
+    /// A target that cannot be made ready or aligned goes to `failed`, too; else to the caller,
+    /// before anything is computed.
+    bool goes_on_without = false;
 };
 
 /// The main job: two segmentations in, moduli, forces, field and error bars out. Throws

@@ -35,27 +35,31 @@ void write_targets_files(const fs::path& folder, const std::string& table,
                          [&](const fs::path& temporary) { write_text_file(temporary, *text); });
 }
 
+void write_result_files(const RecoveryResult& result, const fs::path& inside,
+                        const ResultOptions& options) {
+    // Compressing the fields is most of it: each on a thread beside the rest.
+    auto forward = std::async(std::launch::async, [&] {
+        write_fields(inside, forward_field, result.displacement_field, options.fields);
+    });
+    auto backward = std::async(std::launch::async, [&] {
+        write_fields(inside, backward_field, result.inverse_displacement_field, options.fields);
+    });
+    write_text_file(inside / "result.json",
+                    tree_json(recovery_tree(result, options.include_file_names, options.fields)));
+    write_text_file(inside / "convergence.csv", convergence_csv(result));
+    write_text_file(inside / "report.html", html_report(result, options.include_file_names,
+                                                        options.images, options.fields));
+    write_vtk_report(result, inside / "mesh.vtu");
+    write_label_image(inside / "warped_labels.nii.gz", result.warped_labels);
+    forward.get();
+    backward.get();
+}
+
 void write_result(const RecoveryResult& result, const fs::path& folder,
                   const ResultOptions& options) {
     check_result_folder(folder, options.overwrite);
     write_folder_atomically(folder, options.overwrite, [&](const fs::path& inside) {
-        // Compressing the fields is most of it: each on a thread beside the rest.
-        auto forward = std::async(std::launch::async, [&] {
-            write_fields(inside, forward_field, result.displacement_field, options.fields);
-        });
-        auto backward = std::async(std::launch::async, [&] {
-            write_fields(inside, backward_field, result.inverse_displacement_field, options.fields);
-        });
-        write_text_file(
-            inside / "result.json",
-            tree_json(recovery_tree(result, options.include_file_names, options.fields)));
-        write_text_file(inside / "convergence.csv", convergence_csv(result));
-        write_text_file(inside / "report.html", html_report(result, options.include_file_names,
-                                                            options.images, options.fields));
-        write_vtk_report(result, inside / "mesh.vtu");
-        write_label_image(inside / "warped_labels.nii.gz", result.warped_labels);
-        forward.get();
-        backward.get();
+        write_result_files(result, inside, options);
     });
 }
 

@@ -32,6 +32,10 @@ void check_result_folder(const std::filesystem::path& folder, bool overwrite);
 void write_result(const RecoveryResult& result, const std::filesystem::path& folder,
                   const ResultOptions& options = {});
 
+/// The same files into the folder `inside`, which is there.
+void write_result_files(const RecoveryResult& result, const std::filesystem::path& inside,
+                        const ResultOptions& options);
+
 /// In the folder of a run with several targets, beside one result folder for each.
 inline constexpr const char* targets_file_name = "targets.csv";
 inline constexpr const char* targets_page_name = "targets.html";

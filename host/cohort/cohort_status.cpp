@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/cohort/cohort_status.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cohort/claim.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr CaseStatus all_status[] = {CaseStatus::done,    CaseStatus::not_converged,
+                                     CaseStatus::failed,  CaseStatus::stale,
+                                     CaseStatus::waiting, CaseStatus::excluded};
+
+}  // namespace
+
+int CohortStatus::exit_code() const {
+    if (count(CaseStatus::waiting) + count(CaseStatus::stale) > 0)
+        return exit_code_of(ErrorCode::cancelled);
+    const bool is_good = count(CaseStatus::failed) + count(CaseStatus::not_converged) == 0;
+    return is_good ? 0 : exit_code_not_converged;
+}
+
+void add_to(CohortStatus& status, const CohortCase& c, const CaseState& state) {
+    ++status.counts[static_cast<std::size_t>(state.status)];
+    if (state.status == CaseStatus::excluded) ++status.excluded_for[c.excluded];
+    if (state.failure) ++status.failed_with[state.failure->sentence];
+}
+
+CohortStatus cohort_status(const std::filesystem::path& path) {
+    const CohortFolder folder(path);
+    const CohortPlan plan = read_plan(path);
+    const Journals journals(folder);
+    CohortStatus status;
+    status.patients = plan.patients.size();
+    status.bad_rows_left_out = plan.num_bad_rows;
+    for (const CohortPatient& patient : plan.patients) {
+        const std::vector<CaseState> states = states_of(folder, journals, patient);
+        bool is_whole = true;
+        for (std::size_t k = 0; k < states.size(); ++k) {
+            add_to(status, patient.cases[k], states[k]);
+            is_whole &=
+                states[k].status != CaseStatus::waiting && states[k].status != CaseStatus::stale;
+        }
+        if (!is_whole && Claim::is_held(folder.claim_file(patient))) ++status.in_work;
+    }
+    return status;
+}
+
+std::string status_text(const CohortStatus& status) {
+    std::string text =
+        fmt::format("{:>8}  patients, {} of them in work\n", status.patients, status.in_work);
+    for (const CaseStatus one : all_status)
+        if (status.count(one) > 0)
+            text += fmt::format("{:>8}  {}\n", status.count(one), name_of(one));
+    if (status.bad_rows_left_out > 0)
+        text += fmt::format("{:>8}  bad rows left out of the plan (problems.tsv)\n",
+                            status.bad_rows_left_out);
+    for (const auto& [sentence, times] : status.failed_with)
+        text += fmt::format("failed, {} times: {}\n", times, sentence);
+    return text;
+}
+
+std::string status_json(const CohortStatus& status) {
+    nlohmann::ordered_json json{{"patients", status.patients}, {"in_work", status.in_work}};
+    for (const CaseStatus one : all_status) json["cases"][name_of(one)] = status.count(one);
+    json["bad_rows_left_out"] = status.bad_rows_left_out;
+    json["failed_with"] = status.failed_with;
+    json["excluded_for"] = status.excluded_for;
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace palpate

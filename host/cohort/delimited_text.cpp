@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/cohort/delimited_text.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+struct RawRow {
+    std::size_t line = 0;
+    std::vector<std::string> cells;
+    std::string complaint;
+};
+
+/// One row after the other; a quote that is not closed ends with the text.
+class RowReader {
+public:
+    RowReader(std::string_view text, char separator) : text_(text), separator_(separator) {}
+
+    bool next(RawRow& row) {
+        skip_empty_lines();
+        if (at_ == text_.size()) return false;
+        row = {line_, {}, ""};
+        while (read_cell(row)) {
+        }
+        return true;
+    }
+
+private:
+    bool ends_line() const { return at_ == text_.size() || text_[at_] == '\n'; }
+
+    void skip_empty_lines() {
+        while (at_ < text_.size() && (text_[at_] == '\n' || text_[at_] == '\r')) {
+            line_ += text_[at_] == '\n';
+            ++at_;
+        }
+    }
+
+    std::string quoted(RawRow& row) {
+        std::string cell;
+        for (++at_; at_ < text_.size(); ++at_) {
+            if (text_[at_] == '"' && text_.substr(at_, 2) != "\"\"") {
+                ++at_;
+                return cell;
+            }
+            if (text_[at_] == '"') ++at_;
+            line_ += text_[at_] == '\n';
+            cell += text_[at_];
+        }
+        row.complaint = "a quote is opened and never closed";
+        return cell;
+    }
+
+    std::string plain() {
+        const std::size_t begin = at_;
+        while (!ends_line() && text_[at_] != separator_) ++at_;
+        std::string cell(text_.substr(begin, at_ - begin));
+        if (ends_line() && cell.ends_with('\r')) cell.pop_back();
+        return cell;
+    }
+
+    /// Whether another cell of the same row follows.
+    bool read_cell(RawRow& row) {
+        const bool in_quotes = at_ < text_.size() && text_[at_] == '"';
+        row.cells.push_back(in_quotes ? quoted(row) : plain());
+        if (in_quotes && !plain().empty() && row.complaint.empty())
+            row.complaint = "something follows a closing quote";
+        const bool goes_on = at_ < text_.size() && text_[at_] == separator_;
+        if (at_ < text_.size()) line_ += text_[at_++] == '\n';
+        return goes_on;
+    }
+
+    std::string_view text_;
+    char separator_;
+    std::size_t at_ = 0, line_ = 1;
+};
+
+/// Whether it is UTF-8 without control characters; overlong forms and surrogates are not told.
+bool is_clean_text(const std::string& cell) {
+    std::size_t following = 0;
+    for (const unsigned char byte : cell) {
+        if (following > 0) {
+            if ((byte & 0xC0) != 0x80) return false;
+            --following;
+        } else if (byte < 0x80) {
+            if (byte < 0x20 || byte == 0x7F) return false;
+        } else if ((byte & 0xE0) == 0xC0) {
+            following = 1;
+        } else if ((byte & 0xF0) == 0xE0) {
+            following = 2;
+        } else if ((byte & 0xF8) == 0xF0) {
+            following = 3;
+        } else {
+            return false;
+        }
+    }
+    return following == 0;
+}
+
+void take_header(RawRow& row, DelimitedText& table) {
+    if (!row.complaint.empty()) table.faults.push_back({row.line, "", row.complaint});
+    for (const std::string& name : row.cells)
+        if (std::count(row.cells.begin(), row.cells.end(), name) > 1 &&
+            std::none_of(table.faults.begin(), table.faults.end(),
+                         [&](const TableFault& fault) { return fault.column == name; }))
+            table.faults.push_back({row.line, name, "the header names this column twice"});
+    table.columns = std::move(row.cells);
+}
+
+void take_row(RawRow& row, DelimitedText& table) {
+    const std::size_t before = table.faults.size();
+    if (!row.complaint.empty()) {
+        table.faults.push_back({row.line, "", row.complaint});
+    } else if (row.cells.size() != table.columns.size()) {
+        table.faults.push_back({row.line, "",
+                                fmt::format("the row has {} cells, the header {}", row.cells.size(),
+                                            table.columns.size())});
+    } else {
+        for (std::size_t k = 0; k < row.cells.size(); ++k)
+            if (!is_clean_text(row.cells[k]))
+                table.faults.push_back({row.line, table.columns[k],
+                                        "the cell holds control characters or is not UTF-8"});
+    }
+    if (table.faults.size() > before) return;
+    table.rows.push_back(std::move(row.cells));
+    table.lines.push_back(row.line);
+}
+
+}  // namespace
+
+std::optional<std::size_t> DelimitedText::find(std::string_view column) const {
+    const auto found = std::find(columns.begin(), columns.end(), column);
+    if (found == columns.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - columns.begin());
+}
+
+DelimitedText parse_delimited(std::string_view text, char separator) {
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    DelimitedText table;
+    RowReader reader(text, separator);
+    RawRow row;
+    if (!reader.next(row)) {
+        table.faults.push_back({0, "", "the table is empty"});
+        return table;
+    }
+    take_header(row, table);
+    while (reader.next(row)) take_row(row, table);
+    return table;
+}
+
+std::string delimited_line(const std::vector<std::string>& cells, char separator) {
+    std::string line;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        if (k > 0) line += separator;
+        const std::string& cell = cells[k];
+        if (cell.find_first_of(std::string("\"\r\n") + separator) == std::string::npos) {
+            line += cell;
+            continue;
+        }
+        line += '"';
+        for (const char c : cell) line += c == '"' ? "\"\"" : std::string(1, c);
+        line += '"';
+    }
+    return line + '\n';
+}
+
+}  // namespace palpate

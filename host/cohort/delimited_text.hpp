@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// What is wrong with a table, and where.
+struct TableFault {
+    std::size_t line = 0;  ///< of the file, from 1; 0: of the table as a whole
+    std::string column;    ///< empty: of the whole row
+    std::string sentence;
+};
+
+/// A table whose cells are text and stay what they are: "007", "NA", "nan".
+struct DelimitedText {
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows;  ///< [rows, columns]
+    std::vector<std::size_t> lines;              ///< [rows] of the file, from 1
+    std::vector<TableFault> faults;              ///< rows with one are not in `rows`
+
+    std::optional<std::size_t> find(std::string_view column) const;
+};
+
+/// Reads a header and rows as RFC 4180 has them, for any separator: cells may stand in double
+/// quotes, in which a quote is doubled and lines may end. Empty lines are left out, a byte order
+/// mark is allowed. Never throws: faults are listed, all of them.
+DelimitedText parse_delimited(std::string_view text, char separator);
+
+/// One line with its end; cells that need quotes get them.
+std::string delimited_line(const std::vector<std::string>& cells, char separator);
+
+}  // namespace palpate

@@ -1,0 +1,331 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/cohort/make_plan.hpp"
+
+#include <fmt/format.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "host/apps/recover/modelling/settings.hpp"
+#include "host/cohort/content_key.hpp"
+#include "host/cohort/engine_files.hpp"
+#include "host/cohort/input_check.hpp"
+#include "host/cohort/plan_rows.hpp"
+#include "host/cohort/recover_choice.hpp"
+#include "host/io/option.hpp"
+#include "host/io/output_folder.hpp"
+#include "host/io/preflight.hpp"
+#include "host/io/settings_table.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* problems_name = "problems.tsv";
+
+/// Bytes and inodes of a case, and room that is kept.
+struct Budget {
+    double bytes, inodes;
+};
+constexpr Budget budgets[] = {{60e3, 3}, {300e3, 5}, {120e6, 12}};  // table, compact, all
+constexpr double spare = 1.2;
+
+void take_config(const fs::path& path, CohortPlan& plan, fs::path& settings, fs::path& root) {
+    const std::string name = path.filename().string();
+    const SettingsTable config = SettingsTable::parse(text_of_file(path), name);
+    config.allow_keys({"plan", "recover", "limits", "slurm"});
+    const auto beside = [&](const std::string& file) { return path.parent_path() / file; };
+    if (const auto part = config.table("plan")) {
+        part->allow_keys({"root", "settings", "keep", "shard_minutes"});
+        if (const auto text = part->text("root"); text && root.empty()) root = beside(*text);
+        if (const auto text = part->text("settings"); text && settings.empty())
+            settings = beside(*text);
+        if (const auto word = part->choice("keep", {"table", "compact", "all"}))
+            plan.keep = kept_files_of(*word);
+        plan.shard_minutes =
+            part->number("shard_minutes", {0.1, 10080}).value_or(plan.shard_minutes);
+    }
+    if (const auto part = config.table("limits")) {
+        part->allow_keys({"target_seconds", "attempts"});
+        plan.limits.target_s = part->number("target_seconds", {0.1, 1e7}).value_or(0);
+        plan.limits.attempts =
+            part->whole_number("attempts", 1, 100).value_or(plan.limits.attempts);
+    }
+    if (const auto part = config.table("recover")) {
+        const std::vector<Option> table = cohort_recover_table();
+        for (const std::string& key : part->keys()) {
+            if (!find_option(table, key))
+                part->refuse(key, "allowed: options of `palpate recover` that hold for all cases");
+            plan.recover_toml += key + " = " + setting_text(*part->value(key)) + "\n";
+        }
+    }
+    if (const auto part = config.table("slurm")) {
+        part->allow_keys({"lines"});
+        if (const auto lines = part->value("lines")) {
+            const auto* texts = std::get_if<std::vector<std::string>>(&*lines);
+            if (!texts) part->refuse("lines", "allowed: a list of texts");
+            plan.slurm_lines = *texts;
+        }
+    }
+}
+
+/// The work of one call of `make_cohort_plan`.
+class Planner {
+public:
+    Planner(const PlanRequest& request, const fs::path& hashes, const ProgressSink& progress)
+        : request_(request), cache_(hashes), progress_(progress) {}
+
+    PlannedCohort plan() {
+        fs::path root = request_.root, settings = request_.settings;
+        if (!request_.config.empty()) take_config(request_.config, out_.plan, settings, root);
+        if (request_.keep) out_.plan.keep = *request_.keep;
+        out_.plan.test_stub_s = request_.test_stub_s;
+        recover_values(out_.plan.recover_toml);  // refuses what is not allowed
+        const bool is_csv = has_ending(request_.table, ".csv");
+        if (!is_csv && !has_ending(request_.table, ".tsv"))
+            throw Error(ErrorCode::input_unreadable,
+                        fmt::format("{}: its name ends neither in .tsv nor in .csv",
+                                    request_.table.string()));
+        table_ = parse_delimited(text_of_file(request_.table), is_csv ? ',' : '\t');
+        const fs::path beside = fs::absolute(request_.table).parent_path();
+        std::vector<PlanRequestRow> rows =
+            plan_rows(table_, root.empty() ? beside : fs::absolute(root));
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            report_progress(progress_, "checking", double(k) / double(rows.size()),
+                            fmt::format("{} of {} rows", k, rows.size()));
+            take(rows[k], settings, beside);
+        }
+        name_and_hash();
+        out_.faults = std::move(table_.faults);
+        std::stable_sort(out_.faults.begin(), out_.faults.end(),
+                         [](const auto& a, const auto& b) { return a.line < b.line; });
+        std::set<std::size_t> bad;
+        for (const TableFault& fault : out_.faults) bad.insert(fault.line);
+        out_.plan.num_bad_rows = bad.size();
+        return std::move(out_);
+    }
+
+    const HashCache& hashes() const { return cache_; }
+
+private:
+    void refuse(const PlanRequestRow& row, const char* column, const std::string& why) {
+        table_.faults.push_back({row.line, column, why});
+        is_good_ = false;
+    }
+
+    /// Why the volume cannot be used; asked once for each file.
+    const std::string& fault_of(const fs::path& path) {
+        const auto [found, is_new] = volume_faults_.try_emplace(path.string());
+        if (!is_new) return found->second;
+        if (const auto fault = header_fault(path)) return found->second = *fault;
+        if (!request_.check_voxels) return found->second;
+        try {
+            preflight(path);
+        } catch (const Error& error) {
+            found->second = error.what();
+        }
+        return found->second;
+    }
+
+    void check_volume(const PlanRequestRow& row, const char* column, const fs::path& path) {
+        const std::string& fault = fault_of(path);
+        if (!fault.empty()) refuse(row, column, fmt::format("{}: {}", path.string(), fault));
+    }
+
+    /// The name in `settings` of the organs of a row; parsed once.
+    std::string config_of(const PlanRequestRow& row, const fs::path& usual,
+                          const fs::path& beside) {
+        const fs::path file = row.config.empty() ? usual : beside / row.config;
+        if (file.empty()) {
+            refuse(row, "config", "the row names no settings of organs; give --settings or a cell");
+            return "";
+        }
+        const auto [found, is_new] = configs_.try_emplace(file.string());
+        if (is_new) {
+            try {
+                const std::string toml = to_toml(read_settings(file));
+                std::string stem = file.stem().string();
+                if (!is_cohort_id(stem)) stem = "organs";
+                found->second.first = fmt::format("{}-{}", stem, sha256_of(toml).substr(0, 8));
+                const bool is_known = std::any_of(
+                    out_.settings.begin(), out_.settings.end(),
+                    [&](const auto& known) { return known.first == found->second.first; });
+                if (!is_known) out_.settings.emplace_back(found->second.first, toml);
+            } catch (const Error& error) {
+                found->second.second = error.what();
+            }
+        }
+        if (!found->second.second.empty()) refuse(row, "config", found->second.second);
+        return found->second.first;
+    }
+
+    void take(const PlanRequestRow& row, const fs::path& usual_settings, const fs::path& beside) {
+        is_good_ = true;
+        const std::string config = config_of(row, usual_settings, beside);
+        if (row.exclude.empty()) {
+            check_volume(row, "reference", row.reference);
+            check_volume(row, "target", row.target);
+            if (!row.initial_transform.empty() && !fs::is_regular_file(row.initial_transform))
+                refuse(row, "initial_transform",
+                       row.initial_transform.string() + ": there is no such file");
+            if (is_good_ && cache_.hash_of(row.reference) == cache_.hash_of(row.target))
+                refuse(row, "target", "it holds the same bytes as the reference");
+        }
+        if (is_good_) add(row, config);
+    }
+
+    void add(const PlanRequestRow& row, const std::string& config) {
+        const std::string transform = row.initial_transform.string();
+        const std::string unit = row.participant_id + '\n' + row.reference.string() + '\n' +
+                                 config + '\n' + row.align + '\n' + transform;
+        const auto [found, is_new] = units_.try_emplace(unit, out_.plan.patients.size());
+        if (is_new) {
+            CohortPatient patient;
+            patient.participant_id = row.participant_id;
+            patient.reference = row.reference;
+            patient.config = config;
+            patient.align = row.align;
+            patient.initial_transform = row.initial_transform;
+            out_.plan.patients.push_back(std::move(patient));
+        }
+        CohortCase c;
+        c.id = row.case_id;
+        c.session_id = row.session_id;
+        c.target = row.target;
+        c.excluded = row.exclude;
+        out_.plan.patients[found->second].cases.push_back(std::move(c));
+    }
+
+    void name_and_hash() {
+        std::map<std::string, int> references;  // of each participant
+        for (CohortPatient& patient : out_.plan.patients) {
+            const int number = ++references[patient.participant_id];
+            patient.reference_name = fmt::format("ref-{:02}", number);
+            patient.id = patient.participant_id;
+            if (number > 1) patient.id += "_" + patient.reference_name;
+            name_cases(patient);
+            hash(patient);
+        }
+    }
+
+    static void name_cases(CohortPatient& patient) {
+        std::set<std::string> given;
+        for (const CohortCase& c : patient.cases) given.insert(c.id);
+        for (std::size_t k = 0; k < patient.cases.size(); ++k) {
+            CohortCase& c = patient.cases[k];
+            c.target_name = fmt::format("target-{:02}", k + 1);
+            if (!c.id.empty()) continue;
+            c.id = c.target_name;
+            while (given.count(c.id)) c.id += "-x";  // somebody named another case so
+        }
+    }
+
+    void hash(CohortPatient& patient) {
+        KeyParts parts;
+        parts.is_test_stub = request_.test_stub_s.has_value();
+        for (const auto& [name, toml] : out_.settings)
+            if (name == patient.config) parts.settings_toml = toml;
+        parts.options = options_of_the_key(recover_values(out_.plan.recover_toml, patient.align));
+        if (!patient.initial_transform.empty())
+            parts.transform_sha256 = cache_.hash_of(patient.initial_transform);
+        std::size_t targets = 0;
+        for (CohortCase& c : patient.cases) {
+            if (!c.excluded.empty()) continue;
+            ++targets;
+            patient.reference_sha256 = parts.reference_sha256 = cache_.hash_of(patient.reference);
+            c.target_sha256 = parts.target_sha256 = cache_.hash_of(c.target);
+            c.key = case_key(parts);
+        }
+        patient.estimate_s = reference_estimate_s + target_estimate_s * double(targets);
+    }
+
+    const PlanRequest& request_;
+    HashCache cache_;
+    const ProgressSink& progress_;
+    PlannedCohort out_;
+    DelimitedText table_;
+    bool is_good_ = true;  ///< the row in hand
+    std::map<std::string, std::string> volume_faults_;
+    /// By file: name in `settings`, or what is wrong.
+    std::map<std::string, std::pair<std::string, std::string>> configs_;
+    std::map<std::string, std::size_t> units_;
+};
+
+void check_room(const CohortPlan& plan, const fs::path& folder) {
+    struct statvfs disk {};
+    if (::statvfs(folder.c_str(), &disk) != 0) return;
+    const Budget& each = budgets[static_cast<std::size_t>(plan.keep)];
+    const double cases = double(plan.num_cases()), bytes = spare * cases * each.bytes;
+    const double free_bytes = double(disk.f_bavail) * double(disk.f_frsize);
+    if (bytes > free_bytes)
+        throw Error(ErrorCode::output_failed,
+                    fmt::format("{}: {} cases kept as '{}' need about {:.1f} GB, and {:.1f} GB are "
+                                "free; keep less (--keep), or choose another folder",
+                                folder.string(), plan.num_cases(), name_of(plan.keep), bytes / 1e9,
+                                free_bytes / 1e9));
+    const double inodes = spare * cases * each.inodes;
+    if (disk.f_files > 0 && inodes > double(disk.f_favail))
+        throw Error(
+            ErrorCode::output_failed,
+            fmt::format("{}: {} cases need about {:.0f} files, and the file system has room "
+                        "for {}; keep less (--keep), or choose another folder",
+                        folder.string(), plan.num_cases(), inodes, disk.f_favail));
+}
+
+}  // namespace
+
+PlannedCohort make_cohort_plan(const PlanRequest& request, const fs::path& hashes,
+                               const ProgressSink& progress) {
+    Planner planner(request, hashes, progress);
+    PlannedCohort planned = planner.plan();
+    make_folders(hashes.parent_path());
+    planner.hashes().write();
+    return planned;
+}
+
+void check_cohort_folder(const fs::path& folder, bool overwrite) {
+    if (!fs::exists(folder)) return;
+    const bool has_plan = fs::exists(folder / "plan.json");
+    if (has_plan && !overwrite)
+        throw Error(
+            ErrorCode::output_failed,
+            fmt::format("{} has a plan already; add --overwrite to replace the plan (results "
+                        "stay, and count where their key is the same), or choose another --out",
+                        folder.string()));
+    if (!has_plan && !fs::exists(folder / problems_name) &&
+        (!fs::is_directory(folder) || !fs::is_empty(folder)))
+        throw Error(
+            ErrorCode::output_failed,
+            fmt::format("{} holds files but no cohort; choose another --out", folder.string()));
+}
+
+void write_planned(const PlannedCohort& planned, const fs::path& folder, bool skip_bad) {
+    make_folders(folder / "settings");
+    std::string text = delimited_line({"row", "column", "problem"}, '\t');
+    for (const TableFault& fault : planned.faults)
+        text += delimited_line(
+            {fault.line > 0 ? fmt::to_string(fault.line) : "", fault.column, fault.sentence}, '\t');
+    replace_text(folder / problems_name, text);
+    const std::size_t bad = planned.faults.size();
+    if (bad > 0 && (!skip_bad || planned.plan.num_cases() == 0))
+        throw Error(
+            ErrorCode::input_unusable,
+            fmt::format("{} problem{} in {} row{} of the table, listed in {}; the first: {}; "
+                        "mend them, or leave these rows out with --skip-bad",
+                        bad, bad == 1 ? "" : "s", planned.plan.num_bad_rows,
+                        planned.plan.num_bad_rows == 1 ? "" : "s",
+                        (folder / problems_name).string(),
+                        fmt::format("line {}, {}: {}", planned.faults[0].line,
+                                    planned.faults[0].column, planned.faults[0].sentence)));
+    check_room(planned.plan, folder);
+    for (const auto& [name, toml] : planned.settings)
+        replace_text(folder / "settings" / (name + ".toml"), toml);
+    write_plan(planned.plan, folder);
+    write_engine_files(planned.plan, folder / "engines");
+}
+
+}  // namespace palpate

@@ -1,0 +1,423 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/cohort/run_cohort.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <deque>
+#include <list>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "host/cohort/claim.hpp"
+#include "host/cohort/cohort_folder.hpp"
+#include "host/cohort/patient.hpp"
+#include "host/cohort/patient_events.hpp"
+#include "host/cohort/patient_queue.hpp"
+#include "host/cohort/supervised_child.hpp"
+#include "host/io/output_folder.hpp"
+#include "host/system/interrupt.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr int tick_ms = 100;
+constexpr double seconds_to_unwind = 2, seconds_between_claims = 0.5;
+constexpr double least_free_bytes = 64e6;
+constexpr int most_device_failures = 3;  // of different patients in a row
+
+double seconds_since(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+/// A patient in work: its claim, what is left of it, the process of now.
+struct InWork {
+    const CohortPatient* patient;
+    Claim claim;
+    PatientQueue queue;
+    std::unique_ptr<SupervisedChild> child = nullptr;
+    std::string current = {};  ///< case; empty: the reference
+    Clock::time_point last_event = {}, asked_to_end = {};
+    bool is_late = false;
+    std::set<std::string> unreported = {};  ///< cases that its process was asked for
+    bool has_device_failure = false;
+};
+
+/// Appends, so that lines of a process that is killed are torn at most at their end.
+class JournalFile {
+public:
+    explicit JournalFile(const fs::path& folder)
+        : path_(folder / fmt::format("{}-{}-{:08x}.rows", host_name(), ::getpid(),
+                                     std::random_device()())) {}
+    ~JournalFile() {
+        if (file_ >= 0) ::close(file_);
+    }
+    JournalFile(const JournalFile&) = delete;
+    JournalFile& operator=(const JournalFile&) = delete;
+    void add(const std::string& line) {
+        if (file_ < 0)
+            file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+        const ssize_t ignored = ::write(file_, line.data(), line.size());
+        (void)ignored;  // a cache: without the row the case folder is read
+    }
+
+private:
+    fs::path path_;
+    int file_ = -1;
+};
+
+/// The work of one call of `run_cohort`.
+class CohortRunner {
+public:
+    CohortRunner(const CohortRunOptions& options, const ProgressSink& progress)
+        : options_(options),
+          progress_(progress),
+          folder_(options.folder),
+          plan_(read_plan(options.folder)),
+          limit_s_(limit_s(plan_)),
+          journal_(options.folder / "journal") {
+        std::vector<double> estimates;
+        for (const CohortPatient& patient : plan_.patients) estimates.push_back(patient.estimate_s);
+        const Journals journals(folder_);
+        const auto shards = balanced_shards(estimates, options.shard.count);
+        for (const std::size_t k : shards[options.shard.number - 1]) {
+            const CohortPatient& patient = plan_.patients[k];
+            const std::vector<CaseState> states = states_of(folder_, journals, patient);
+            bool is_whole = true;
+            for (std::size_t c = 0; c < states.size(); ++c) {
+                if (states[c].status == CaseStatus::excluded) continue;
+                ++run_.num_cases;
+                is_whole &= !is_to_do(states[c].status);
+                if (!is_to_do(states[c].status)) count(patient.cases[c], states[c].status);
+            }
+            if (!is_whole) waiting_.push_back(&patient);
+        }
+    }
+
+    CohortRun run() {
+        for (;;) {
+            stop_if_interrupted();
+            fill_slots();
+            if (in_work_.empty() && waiting_.empty()) break;
+            wait_for_news();
+            for (auto at = in_work_.begin(); at != in_work_.end();)
+                at = is_over(*at) ? in_work_.erase(at) : std::next(at);
+            report();
+        }
+        write_held_back();
+        if (run_.failed + run_.not_converged > 0) run_.exit_code = exit_code_not_converged;
+        return run_;
+    }
+
+private:
+    bool is_to_do(CaseStatus status) const {
+        return status == CaseStatus::waiting || status == CaseStatus::stale ||
+               (status == CaseStatus::failed && options_.retry_failed);
+    }
+
+    /// Each case once, whoever did it.
+    void count(const CohortCase& c, CaseStatus status) {
+        if (!counted_.insert(&c).second) return;
+        run_.done += status == CaseStatus::done;
+        run_.not_converged += status == CaseStatus::not_converged;
+        run_.failed += status == CaseStatus::failed;
+    }
+
+    std::size_t num_over() const { return run_.done + run_.not_converged + run_.failed; }
+
+    void report() {
+        std::string text = fmt::format("{} of {} cases", num_over(), run_.num_cases);
+        if (run_.failed > 0) text += fmt::format(", {} failed", run_.failed);
+        if (done_here_ > 0) {
+            const double left =
+                double(run_.num_cases - num_over()) * seconds_since(begin_) / double(done_here_);
+            text += left < 90 ? fmt::format(", {:.0f} s left", left)
+                              : fmt::format(", {:.0f} min left", left / 60);
+        }
+        report_progress(progress_, "running", double(num_over()) / double(run_.num_cases), text);
+    }
+
+    void stop_if_interrupted() {
+        if (!is_interrupted()) return;
+        stop_children();
+        throw_if_interrupted();
+    }
+
+    /// In good order, within a second; what does not end is killed.
+    void stop_children() {
+        for (const InWork& work : in_work_)
+            if (work.child) work.child->signal_group(SIGTERM);
+        const auto begin = Clock::now();
+        while (!in_work_.empty() && seconds_since(begin) < 0.8) {
+            for (auto at = in_work_.begin(); at != in_work_.end();) {
+                take_news(*at);
+                at = !at->child || at->child->ended() ? in_work_.erase(at) : std::next(at);
+            }
+            ::usleep(20000);
+        }
+        in_work_.clear();
+    }
+
+    [[noreturn]] void stop_with(ErrorCode code, const std::string& sentence) {
+        stop_children();
+        throw Error(code, sentence);
+    }
+
+    void check_room() {
+        struct statvfs disk {};
+        if (::statvfs(folder_.path().c_str(), &disk) != 0) return;
+        const double cases = plan_.keep == KeptFiles::all ? 240e6 : 0;
+        if (double(disk.f_bavail) * double(disk.f_frsize) < least_free_bytes + cases)
+            stop_with(ErrorCode::output_failed,
+                      fmt::format("{}: the disk is almost full; make room, and run again: what is "
+                                  "done stays",
+                                  folder_.path().string()));
+    }
+
+    void fill_slots() {
+        for (InWork& work : in_work_)
+            if (!work.child) start(work);
+        if (are_all_busy_ && seconds_since(last_claims_) < seconds_between_claims) return;
+        const bool has_room = in_work_.size() < std::size_t(options_.jobs);
+        are_all_busy_ = has_room && !waiting_.empty();
+        last_claims_ = Clock::now();
+        for (std::size_t tries = waiting_.size();
+             tries > 0 && in_work_.size() < std::size_t(options_.jobs); --tries) {
+            const CohortPatient* patient = waiting_.front();
+            waiting_.pop_front();
+            if (!begin(*patient)) waiting_.push_back(patient);  // somebody else works on it
+        }
+    }
+
+    /// False if its claim is held elsewhere.
+    bool begin(const CohortPatient& patient) {
+        folder_.make_place_of(patient);
+        auto claim = Claim::take(folder_.claim_file(patient));
+        if (!claim) return false;
+        are_all_busy_ = false;
+        std::vector<std::string> ids;
+        for (const CohortCase& c : patient.cases) {
+            const CaseStatus status = folder_.state_of(patient, c).status;
+            if (status == CaseStatus::excluded) continue;
+            if (is_to_do(status))
+                ids.push_back(c.id);
+            else
+                count(c, status);  // perhaps done elsewhere meanwhile
+        }
+        if (ids.empty()) return true;
+        in_work_.push_back(
+            {&patient, std::move(*claim), PatientQueue(std::move(ids), plan_.limits.attempts)});
+        start(in_work_.back());
+        return true;
+    }
+
+    void start(InWork& work) {
+        check_room();
+        const NextWork next = work.queue.next();
+        std::vector<std::string> words{"cohort", "patient", fs::absolute(folder_.path()).string(),
+                                       work.patient->id, "--only"};
+        words.insert(words.end(), next.cases.begin(), next.cases.end());
+        if (next.on_reference_backend) words.push_back("--on-reference-backend");
+        work.current.clear();
+        work.is_late = false;
+        work.unreported = {next.cases.begin(), next.cases.end()};
+        work.last_event = Clock::now();
+        work.child =
+            std::make_unique<SupervisedChild>(options_.program, words, work.claim.descriptor());
+        ++run_.started_here;
+    }
+
+    void wait_for_news() {
+        std::vector<pollfd> ends;
+        for (const InWork& work : in_work_)
+            for (const int end : {work.child->output(), work.child->errors()})
+                if (end >= 0) ends.push_back({end, POLLIN, 0});
+        ::poll(ends.data(), ends.size(), tick_ms);
+    }
+
+    void take_news(InWork& work) {
+        if (!work.child) return;
+        work.child->read([&](const std::string& line) {
+            if (const auto event = event_of(line)) take(work, *event);
+        });
+    }
+
+    void take(InWork& work, const PatientEvent& event) {
+        using Kind = PatientEvent::Kind;
+        work.last_event = Clock::now();
+        if (event.kind == Kind::started) work.current = event.case_id;
+        if (event.kind == Kind::done && event.record) note_done(work, *event.record);
+        if (event.kind == Kind::patient_failed) work.unreported.clear();
+        work.unreported.erase(event.kind == Kind::started ? "" : event.case_id);
+        if (event.kind == Kind::failed || event.kind == Kind::patient_failed)
+            note_event(work, event);
+    }
+
+    void note_done(InWork& work, const CaseRecord& record) {
+        for (const CohortCase& c : work.patient->cases) {
+            if (c.id != record.case_id) continue;
+            journal_.add(journal_line(record, inode_of(folder_.case_folder(*work.patient, c))));
+            std::error_code ignored;
+            fs::remove(folder_.failure_file(*work.patient, c), ignored);
+            count(c, record.converged ? CaseStatus::done : CaseStatus::not_converged);
+        }
+        work.queue.done(record.case_id);
+        work.current.clear();
+        ++done_here_;
+        device_failures_ = 0;
+        write_held_back();
+        tell(*work.patient, record.case_id, record.converged ? 0 : exit_code_not_converged, "");
+    }
+
+    void note_event(InWork& work, const PatientEvent& event) {
+        if (event.code == exit_code_of(ErrorCode::output_failed))
+            output_failure_ = event.sentence;
+        else if (event.code != exit_code_of(ErrorCode::cancelled) || !is_interrupted())
+            note_failure(work, event.case_id, event.code, event.sentence);
+        if (event.case_id == work.current) work.current.clear();
+    }
+
+    void note_failure(InWork& work, const std::string& case_id, int code,
+                      const std::string& sentence) {
+        for (FinalFailure& failure : work.queue.failed(case_id, code, sentence)) {
+            if (code == exit_code_of(ErrorCode::device_failed)) {
+                work.has_device_failure = true;
+                held_back_.emplace_back(work.patient, failure, work.child->log_tail());
+            } else {
+                device_failures_ = 0;
+                write(*work.patient, failure, work.child->log_tail());
+            }
+        }
+    }
+
+    void write_held_back() {
+        for (const auto& [patient, failure, log] : held_back_) write(*patient, failure, log);
+        held_back_.clear();
+    }
+
+    void write(const CohortPatient& patient, const FinalFailure& failure, const std::string& log) {
+        for (const CohortCase& c : patient.cases) {
+            if (c.id != failure.case_id) continue;
+            const fs::path file = folder_.failure_file(patient, c);
+            make_folders(file.parent_path());
+            replace_text(file, failure_text({c.key, failure.sentence, host_name(), log,
+                                             failure.code, failure.attempts}));
+            count(c, CaseStatus::failed);
+        }
+        tell(patient, failure.case_id, failure.code, failure.sentence);
+    }
+
+    void tell(const CohortPatient& patient, const std::string& case_id, int code,
+              const std::string& sentence) const {
+        if (!options_.tell_case) return;
+        nlohmann::ordered_json json{{"patient", patient.id}, {"case", case_id},
+                                    {"code", code},          {"sentence", sentence},
+                                    {"over", num_over()},    {"of", run_.num_cases}};
+        options_.tell_case(
+            json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    }
+
+    /// Whether nothing of the patient is left to do here.
+    bool is_over(InWork& work) {
+        take_news(work);
+        end_if_late(work);
+        const auto end = work.child->ended();
+        if (output_failure_)
+            stop_with(ErrorCode::output_failed,
+                      *output_failure_ + "; make room, and run again: what is done stays");
+        if (!end) return false;
+        take_news(work);
+        judge(work, *end);
+        append_log(work);
+        work.child.reset();
+        stop_without_device(work);
+        return work.queue.is_empty();
+    }
+
+    void end_if_late(InWork& work) {
+        if (!work.is_late && seconds_since(work.last_event) > limit_s_) {
+            work.is_late = true;
+            work.asked_to_end = Clock::now();
+            work.child->signal_group(SIGTERM);
+        } else if (work.is_late && seconds_since(work.asked_to_end) > seconds_to_unwind) {
+            work.child->signal_group(SIGKILL);
+        }
+    }
+
+    /// A process that ended although cases are left, and did not say why.
+    void judge(InWork& work, const ChildEnd& end) {
+        if (work.unreported.empty() || is_interrupted()) return;
+        std::string why = fmt::format("its process ended with exit code {}", end.exit_code);
+        if (end.exit_code == 0) why = "its process ended well and left no result";
+        if (end.signal != 0)
+            why = fmt::format("its process was ended by signal {} ({})", end.signal,
+                              ::strsignal(end.signal));
+        int code = end.exit_code > 0 ? end.exit_code : exit_code_of(ErrorCode::internal);
+        if (work.is_late) {
+            why = fmt::format("it took longer than {:g} s", limit_s_);
+            code = exit_code_of(ErrorCode::time_limit);
+        }
+        note_failure(work, work.current, code, why);
+    }
+
+    void append_log(const InWork& work) const {
+        if (work.child->log_tail().empty()) return;
+        std::error_code failed;
+        const fs::path file = folder_.log_file(*work.patient);
+        const int out = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+        if (out < 0) return;
+        const ssize_t ignored =
+            ::write(out, work.child->log_tail().data(), work.child->log_tail().size());
+        (void)ignored;
+        ::close(out);
+    }
+
+    void stop_without_device(InWork& work) {
+        if (!work.has_device_failure || !work.queue.is_empty()) return;
+        if (++device_failures_ < most_device_failures) return;
+        const std::string sentence = std::get<FinalFailure>(held_back_.back()).sentence;
+        stop_with(ErrorCode::device_failed,
+                  fmt::format("{} patients in a row failed on this machine's device, so they stay "
+                              "waiting; the last: {}",
+                              most_device_failures, sentence));
+    }
+
+    const CohortRunOptions& options_;
+    const ProgressSink& progress_;
+    CohortFolder folder_;
+    CohortPlan plan_;
+    double limit_s_;
+    JournalFile journal_;
+    CohortRun run_;
+    std::deque<const CohortPatient*> waiting_;
+    std::list<InWork> in_work_;
+    std::set<const CohortCase*> counted_;
+    bool are_all_busy_ = false;
+    Clock::time_point begin_ = Clock::now(), last_claims_ = {};
+    std::size_t done_here_ = 0;
+    int device_failures_ = 0;
+    std::vector<std::tuple<const CohortPatient*, FinalFailure, std::string>> held_back_;
+    std::optional<std::string> output_failure_;
+};
+
+}  // namespace
+
+CohortRun run_cohort(const CohortRunOptions& options, const ProgressSink& progress) {
+    return CohortRunner(options, progress).run();
+}
+
+}  // namespace palpate
