@@ -223,6 +223,7 @@ void read_triangles(const std::filesystem::path& path) {
 struct Counts {
     int accepted = 0, refused = 0, child_died = 0;
     double slowest_s = 0;
+    std::string said;  ///< of the last that was not read
 };
 
 bool is_of_a_dead_child(const std::string& message) {
@@ -237,7 +238,8 @@ void read_one(const Format& format, const std::filesystem::path& path, Counts& c
         format.read(path);
         ++counts.accepted;
     } catch (const Error& error) {
-        const bool died = is_of_a_dead_child(error.what());
+        counts.said = error.what();
+        const bool died = is_of_a_dead_child(counts.said);
         ++(died ? counts.child_died : counts.refused);
         EXPECT_TRUE(error.code() == ErrorCode::input_unreadable ||
                     (!died && error.code() == ErrorCode::input_unusable))
@@ -257,7 +259,7 @@ TEST_P(Mutation, OfAFileIsReadOrRefused) {
     Mutator mutate(7);
     Counts counts;
     read_one(GetParam(), path, counts);
-    ASSERT_EQ(counts.accepted, 1) << "the good one";
+    ASSERT_EQ(counts.accepted, 1) << "the good one: " << counts.said;
     counts = {};
 
     for (int k = 0; k < num_mutations(); ++k) {
