@@ -20,9 +20,6 @@ constexpr double unknown_curvature = 1e-14;
 /// Share of its Huber weight that makes a row an outlier.
 constexpr double outlier_weight = 0.999;
 
-/// Ends beyond so many posterior sd need no prediction: the quadratic rises by 18 there.
-constexpr double sure_reach = 6;
-
 struct Curvature {
     Eigen::MatrixXd covariance;
     double log_determinant = 0;  ///< of H
@@ -143,11 +140,7 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     for (const int side : {0, 1})
         found.interval[side] = to_value(found.parameter, interval.ends[side]);
     UnknownEvidence evidence{found.sd, found.parameter.sd, 0, true, true};
-    // Where F rises as its quadratic for 2 sd it is not looked for at ends that are far beyond.
-    const bool is_surely_bounded = options.follows_profiles && !found.is_profiled &&
-                                   found.parameter.has_prior() &&
-                                   profiles.reach_in_sd(k) > sure_reach;
-    if (options.judges_far_ends && !found.parameter.is_nuisance && !is_surely_bounded) {
+    if (options.judges_far_ends && !found.parameter.is_nuisance) {
         const auto excluded = profiles.excluded_ends(k);
         evidence.excludes_low = excluded[0];
         evidence.excludes_high = excluded[1];

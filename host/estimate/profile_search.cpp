@@ -151,15 +151,6 @@ double ProfileSearch::data_rise(Index k, const Eigen::VectorXd& transformed) {
     return rise_at(transformed) - energy(transformed[k]) + energy(fit_.transformed[k]);
 }
 
-double ProfileSearch::reach_in_sd(Index k) const {
-    const double reach =
-        parameters_[k].has_prior() ? max_prior_reach * parameters_[k].sd : infinite;
-    const double low = std::max(range_.lower[k], priors_.mean[k] - reach);
-    const double high = std::min(range_.upper[k], priors_.mean[k] + reach);
-    return std::min(fit_.transformed[k] - low, high - fit_.transformed[k]) /
-           std::sqrt(covariance_(k, k));
-}
-
 std::array<bool, 2> ProfileSearch::excluded_ends(Index k) {
     const double reach =
         parameters_[k].has_prior() ? max_prior_reach * parameters_[k].sd : infinite;

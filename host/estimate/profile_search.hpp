@@ -35,8 +35,6 @@ public:
     /// ends, or 4 sd of the prior; as `excluded_ends` of posterior.hpp. True where there is no end
     /// at all.
     std::array<bool, 2> excluded_ends(Index k);
-    /// How many posterior sd the nearer of those ends is away.
-    double reach_in_sd(Index k) const;
 
     int num_prediction() const { return num_prediction_; }
 
