@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cohort/content_key.hpp"
-#include "host/cohort/delimited_text.hpp"
+#include "host/io/delimited_text.hpp"
 #include "host/io/files.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/system/version.hpp"
@@ -158,7 +158,7 @@ CohortPlan read_plan(const fs::path& folder) {
     } catch (const Json::exception&) {
         refuse_plan(folder, "plan.json is damaged");
     }
-    const DelimitedText table = parse_delimited(table_text, '\t');
+    const DelimitedText table = parse_delimited(table_text, {'\t'});
     if (!table.faults.empty() || table.columns != plan_columns)
         refuse_plan(folder, "plan.tsv is damaged");
     take_rows(table, plan);

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/cohort/delimited_text.hpp"
+#include "host/io/delimited_text.hpp"
 #include "host/system/version.hpp"
 #include "solver/base/error.hpp"
 

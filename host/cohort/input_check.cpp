@@ -12,7 +12,7 @@
 
 #include "host/cohort/cohort_plan.hpp"
 #include "host/cohort/content_key.hpp"
-#include "host/cohort/delimited_text.hpp"
+#include "host/io/delimited_text.hpp"
 #include "host/io/files.hpp"
 #include "host/io/gzip.hpp"
 #include "host/io/preflight.hpp"
@@ -74,7 +74,7 @@ std::optional<std::string> header_fault(const fs::path& path) {
 
 HashCache::HashCache(fs::path file) : file_(std::move(file)) {
     if (!fs::exists(file_)) return;
-    const DelimitedText table = parse_delimited(text_of_file(file_), '\t');
+    const DelimitedText table = parse_delimited(text_of_file(file_), {'\t'});
     if (table.columns.size() != 3) return;
     for (const auto& row : table.rows) entries_[row[0]] = {row[1], row[2], false};
 }

@@ -90,7 +90,7 @@ public:
             throw Error(ErrorCode::input_unreadable,
                         fmt::format("{}: its name ends neither in .tsv nor in .csv",
                                     request_.table.string()));
-        table_ = parse_delimited(text_of_file(request_.table), is_csv ? ',' : '\t');
+        table_ = parse_delimited(text_of_file(request_.table), {is_csv ? ',' : '\t'});
         const fs::path beside = fs::absolute(request_.table).parent_path();
         std::vector<PlanRequestRow> rows =
             plan_rows(table_, root.empty() ? beside : fs::absolute(root));

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/cohort/cohort_plan.hpp"
-#include "host/cohort/delimited_text.hpp"
+#include "host/io/delimited_text.hpp"
 #include "solver/base/log.hpp"
 
 namespace palpate {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/cohort/delimited_text.hpp"
+#include "host/io/delimited_text.hpp"
 
 namespace palpate {
 

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
 
+#include "host/io/delimited_text.hpp"
 #include "host/io/files.hpp"
 #include "solver/base/error.hpp"
 
@@ -24,23 +26,6 @@ constexpr std::uintmax_t largest_table_bytes = 16 << 20;
     throw Error(ErrorCode::input_unreadable, fmt::format("{}, line {}: {}", file, line, why));
 }
 
-std::string_view trimmed(std::string_view text) {
-    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-    return text;
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-    std::vector<std::string_view> cells;
-    for (;;) {
-        const std::size_t comma = line.find(',');
-        cells.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos) return cells;
-        line.remove_prefix(comma + 1);
-    }
-}
-
 std::optional<double> number_of(std::string_view text) {
     if (!text.empty() && text.front() == '+') text.remove_prefix(1);
     double value = 0;
@@ -50,29 +35,27 @@ std::optional<double> number_of(std::string_view text) {
     return is_good ? std::optional(value) : std::nullopt;
 }
 
-void read_header(NumberTable& table, const std::vector<std::string_view>& cells, std::size_t line) {
-    table.header_line = line;
-    table.columns.assign(cells.begin(), cells.end());
+void read_header(NumberTable& table, const DelimitedText& read) {
+    table.header_line = read.header_line;
+    table.columns = read.columns;
     for (const std::string& name : table.columns) {
         if (name.empty() || std::count(table.columns.begin(), table.columns.end(), name) > 1)
-            refuse_line(table.source, line,
+            refuse_line(table.source, table.header_line,
                         fmt::format("the column '{}' is empty or there twice; give each column a "
                                     "name of its own",
                                     name));
     }
-    if (std::all_of(cells.begin(), cells.end(), [](auto cell) { return number_of(cell); }))
-        refuse_line(table.source, line, "the first line holds numbers; put names of columns there");
+    if (std::all_of(table.columns.begin(), table.columns.end(),
+                    [](const std::string& name) { return number_of(name); }))
+        refuse_line(table.source, table.header_line,
+                    "the first line holds numbers; put names of columns there");
 }
 
-void read_row(NumberTable& table, const std::vector<std::string_view>& cells, std::size_t line) {
-    if (cells.size() != table.columns.size())
-        refuse_line(table.source, line,
-                    fmt::format("{} values for {} columns; give one for each, separated by commas",
-                                cells.size(), table.columns.size()));
+void read_row(NumberTable& table, const std::vector<std::string>& cells, std::size_t line) {
     if (table.rows.size() == most_rows)
         refuse_line(table.source, line, fmt::format("a table may have {} rows", most_rows));
     std::vector<double> values;
-    for (const std::string_view cell : cells) {
+    for (const std::string& cell : cells) {
         const auto value = number_of(cell);
         if (!value)
             refuse_line(table.source, line,
@@ -109,17 +92,18 @@ void NumberTable::refuse_row(std::size_t row, const std::string& why) const {
 NumberTable parse_number_table(std::string_view text, const std::string& source_name) {
     NumberTable table;
     table.source = source_name;
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // some programs' mark of UTF-8
-    for (std::size_t line = 1; !text.empty(); ++line) {
-        const std::size_t end = text.find('\n');
-        const std::string_view content = trimmed(text.substr(0, end));
-        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-        if (content.empty() || content.front() == '#') continue;
-        if (table.columns.empty())
-            read_header(table, cells_of(content), line);
-        else
-            read_row(table, cells_of(content), line);
+    const DelimitedText read = parse_delimited(text, {',', true});
+    if (!read.columns.empty()) read_header(table, read);
+    // The first line that is wrong is told.
+    const auto refuse_before = [&](std::size_t line) {
+        if (!read.faults.empty() && read.faults.front().line > 0 && read.faults.front().line < line)
+            refuse_line(source_name, read.faults.front().line, read.faults.front().sentence);
+    };
+    for (std::size_t k = 0; k < read.rows.size(); ++k) {
+        refuse_before(read.lines[k]);
+        read_row(table, read.rows[k], read.lines[k]);
     }
+    refuse_before(std::numeric_limits<std::size_t>::max());
     if (table.rows.empty())
         throw Error(ErrorCode::input_unreadable,
                     source_name + ": there is no row of numbers; give at least one");

@@ -9,57 +9,10 @@
 #include <cmath>
 #include <limits>
 
+#include "host/io/delimited_text.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
-namespace {
-
-std::string quoted(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string out = "\"";
-    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return out + "\"";
-}
-
-using Cells = std::vector<std::string>;
-
-/// Lines of values; a quoted value may hold commas, doubled quotes and line ends.
-std::vector<Cells> split_csv(const std::string& text) {
-    std::vector<Cells> lines;
-    Cells cells;
-    std::string cell;
-    bool is_quoted = false;
-    const auto end_cell = [&] { cells.push_back(std::exchange(cell, {})); };
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (is_quoted) {
-            if (c != '"') {
-                cell += c;
-            } else if (i + 1 < text.size() && text[i + 1] == '"') {
-                cell += text[++i];
-            } else {
-                is_quoted = false;
-            }
-        } else if (c == '"') {
-            is_quoted = true;
-        } else if (c == ',') {
-            end_cell();
-        } else if (c == '\n') {
-            end_cell();
-            lines.push_back(std::exchange(cells, {}));
-        } else if (c != '\r') {
-            cell += c;
-        }
-    }
-    if (!cell.empty() || !cells.empty()) {
-        end_cell();
-        lines.push_back(cells);
-    }
-    return lines;
-}
-
-}  // namespace
-
 void Row::set(const std::string& name, const std::string& text) {
     const auto at = std::find_if(values_.begin(), values_.end(),
                                  [&](const auto& value) { return value.first == name; });
@@ -97,27 +50,31 @@ double Row::number(const std::string& name) const {
 bool Row::flag(const std::string& name) const { return text(name) == "yes"; }
 
 std::string to_csv(const std::vector<std::string>& columns, const std::vector<Row>& rows) {
-    std::string out = fmt::format("{}\n", fmt::join(columns, ","));
+    std::string out = delimited_line(columns, ',');
     for (const Row& row : rows) {
-        Cells cells;
-        for (const std::string& column : columns) cells.push_back(quoted(row.text(column)));
-        out += fmt::format("{}\n", fmt::join(cells, ","));
+        std::vector<std::string> cells;
+        for (const std::string& column : columns) cells.push_back(row.text(column));
+        out += delimited_line(cells, ',');
     }
     return out;
 }
 
 std::vector<Row> parse_csv(const std::string& text, const std::string& source) {
-    const std::vector<Cells> lines = split_csv(text);
+    const DelimitedText table = parse_delimited(text, {.separator = ',', .takes_any_text = true});
+    for (const TableFault& fault : table.faults) {
+        if (fault.line == 0) return {};  // nothing was written yet
+        const std::string what =
+            fault.num_values > 0
+                ? fmt::format("has {} values in line {}, but {} columns", fault.num_values,
+                              fault.line, table.columns.size())
+                : fmt::format("is damaged in line {}: {}", fault.line, fault.sentence);
+        throw Error(ErrorCode::input_unreadable,
+                    fmt::format("{} {}; mend it, or add --overwrite to begin again", source, what));
+    }
     std::vector<Row> rows;
-    for (std::size_t line = 1; line < lines.size(); ++line) {
-        if (lines[line].size() != lines[0].size()) {
-            throw Error(ErrorCode::input_unreadable,
-                        fmt::format("{} has {} values in line {}, but {} columns; mend it, or add "
-                                    "--overwrite to begin again",
-                                    source, lines[line].size(), line + 1, lines[0].size()));
-        }
+    for (const std::vector<std::string>& cells : table.rows) {
         Row row;
-        for (std::size_t c = 0; c < lines[0].size(); ++c) row.set(lines[0][c], lines[line][c]);
+        for (std::size_t c = 0; c < cells.size(); ++c) row.set(table.columns[c], cells[c]);
         rows.push_back(std::move(row));
     }
     return rows;

@@ -12,10 +12,10 @@
 #include "host/cohort/claim.hpp"
 #include "host/cohort/collect.hpp"
 #include "host/cohort/content_key.hpp"
-#include "host/cohort/delimited_text.hpp"
 #include "host/cohort/patient_queue.hpp"
 #include "host/cohort/plan_rows.hpp"
 #include "host/cohort/shards.hpp"
+#include "host/io/delimited_text.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
 
@@ -26,7 +26,7 @@ TEST(DelimitedText, KeepsCellsAsTheyAre) {
     const auto table = parse_delimited(
         "\xEF\xBB\xBF"
         "id,a\r\n\r\n007,\"x, \"\"y\"\"\"\r\nNA,nan",
-        ',');
+        {','});
     EXPECT_TRUE(table.faults.empty());
     EXPECT_EQ(table.columns, (std::vector<std::string>{"id", "a"}));
     ASSERT_EQ(table.rows.size(), 2u);
@@ -36,21 +36,21 @@ TEST(DelimitedText, KeepsCellsAsTheyAre) {
 }
 
 TEST(DelimitedText, ListsAllFaults) {
-    const auto table = parse_delimited("a\tb\n1\n1\t2\t3\nx\t\x01\n\xff\ty\n\"open\t1\n", '\t');
+    const auto table = parse_delimited("a\tb\n1\n1\t2\t3\nx\t\x01\n\xff\ty\n\"open\t1\n", {'\t'});
     std::multiset<std::size_t> lines;
     for (const TableFault& fault : table.faults) lines.insert(fault.line);
     EXPECT_EQ(lines, (std::multiset<std::size_t>{2, 3, 4, 5, 6}));
     EXPECT_TRUE(table.rows.empty());
-    EXPECT_FALSE(parse_delimited("", '\t').faults.empty());
-    EXPECT_FALSE(parse_delimited("a\ta\n", '\t').faults.empty());
+    EXPECT_FALSE(parse_delimited("", {'\t'}).faults.empty());
+    EXPECT_FALSE(parse_delimited("a\ta\n", {'\t'}).faults.empty());
 }
 
 TEST(DelimitedText, ReadsWhatItWrites) {
     const std::vector<std::string> cells{"plain", "say \"x\"", "", "two\nlines"};
-    const auto table = parse_delimited("1\t2\t3\t4\n" + delimited_line(cells, '\t'), '\t');
+    const auto table = parse_delimited("1\t2\t3\t4\n" + delimited_line(cells, '\t'), {'\t'});
     ASSERT_EQ(table.faults.size(), 1u);  // a line end in a cell is read, and refused there
     EXPECT_EQ(table.faults[0].column, "4");
-    const auto good = parse_delimited("1,2,3\n" + delimited_line({"a,b", "\"", ""}, ','), ',');
+    const auto good = parse_delimited("1,2,3\n" + delimited_line({"a,b", "\"", ""}, ','), {','});
     ASSERT_EQ(good.rows.size(), 1u);
     EXPECT_EQ(good.rows[0], (std::vector<std::string>{"a,b", "\"", ""}));
 }
@@ -70,7 +70,7 @@ TEST(PlanRows, TellEveryFaultWithLineAndColumn) {
         "c\tr.nii\tt.nii\tone\t\n"
         "c\tr.nii\tu.nii\tone\t\n"
         "d\t\tt.nii\treference\t\n",
-        '\t');
+        {'\t'});
     const auto rows = plan_rows(table, "/data");
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].reference, "/data/r.nii");
@@ -83,7 +83,7 @@ TEST(PlanRows, TellEveryFaultWithLineAndColumn) {
 }
 
 TEST(PlanRows, RefuseUnknownAndMissingColumns) {
-    auto table = parse_delimited("participant_id\treference\tage\n1\t2\t3\n", '\t');
+    auto table = parse_delimited("participant_id\treference\tage\n1\t2\t3\n", {'\t'});
     EXPECT_TRUE(plan_rows(table, "/data").empty());
     EXPECT_EQ(table.faults.size(), 2u);
 }

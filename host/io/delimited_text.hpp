@@ -15,10 +15,12 @@ struct TableFault {
     std::size_t line = 0;  ///< of the file, from 1; 0: of the table as a whole
     std::string column;    ///< empty: of the whole row
     std::string sentence;
+    std::size_t num_values = 0;  ///< of a row that has too many or too few; else 0
 };
 
 /// A table whose cells are text and stay what they are: "007", "NA", "nan".
 struct DelimitedText {
+    std::size_t header_line = 0;  ///< of the file, from 1
     std::vector<std::string> columns;
     std::vector<std::vector<std::string>> rows;  ///< [rows, columns]
     std::vector<std::size_t> lines;              ///< [rows] of the file, from 1
@@ -27,10 +29,16 @@ struct DelimitedText {
     std::optional<std::size_t> find(std::string_view column) const;
 };
 
+struct DelimitedFormat {
+    char separator = ',';
+    bool has_comments = false;    ///< lines that begin with #, and blanks round cells, are left out
+    bool takes_any_text = false;  ///< line ends and control characters in cells are no fault
+};
+
 /// Reads a header and rows as RFC 4180 has them, for any separator: cells may stand in double
 /// quotes, in which a quote is doubled and lines may end. Empty lines are left out, a byte order
 /// mark is allowed. Never throws: faults are listed, all of them.
-DelimitedText parse_delimited(std::string_view text, char separator);
+DelimitedText parse_delimited(std::string_view text, const DelimitedFormat& format);
 
 /// One line with its end; cells that need quotes get them.
 std::string delimited_line(const std::vector<std::string>& cells, char separator);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/cohort/delimited_text.hpp"
+#include "host/io/delimited_text.hpp"
 
 #include <fmt/core.h>
 
@@ -15,13 +15,21 @@ struct RawRow {
     std::string complaint;
 };
 
+std::string_view trimmed(std::string_view text) {
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+    return text;
+}
+
 /// One row after the other; a quote that is not closed ends with the text.
 class RowReader {
 public:
-    RowReader(std::string_view text, char separator) : text_(text), separator_(separator) {}
+    RowReader(std::string_view text, const DelimitedFormat& format)
+        : text_(text), separator_(format.separator), has_comments_(format.has_comments) {}
 
     bool next(RawRow& row) {
-        skip_empty_lines();
+        skip_lines_without_cells();
         if (at_ == text_.size()) return false;
         row = {line_, {}, ""};
         while (read_cell(row)) {
@@ -32,10 +40,15 @@ public:
 private:
     bool ends_line() const { return at_ == text_.size() || text_[at_] == '\n'; }
 
-    void skip_empty_lines() {
-        while (at_ < text_.size() && (text_[at_] == '\n' || text_[at_] == '\r')) {
-            line_ += text_[at_] == '\n';
-            ++at_;
+    void skip_lines_without_cells() {
+        while (at_ < text_.size()) {
+            const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+            const std::string_view line = text_.substr(at_, end - at_);
+            const std::string_view content = has_comments_ ? trimmed(line) : line;
+            const bool is_comment = has_comments_ && content.starts_with('#');
+            if (!is_comment && content.find_first_not_of('\r') != std::string_view::npos) return;
+            line_ += end < text_.size();
+            at_ = std::min(end + 1, text_.size());
         }
     }
 
@@ -59,7 +72,7 @@ private:
         while (!ends_line() && text_[at_] != separator_) ++at_;
         std::string cell(text_.substr(begin, at_ - begin));
         if (ends_line() && cell.ends_with('\r')) cell.pop_back();
-        return cell;
+        return has_comments_ ? std::string(trimmed(cell)) : cell;
     }
 
     /// Whether another cell of the same row follows.
@@ -75,6 +88,7 @@ private:
 
     std::string_view text_;
     char separator_;
+    bool has_comments_;
     std::size_t at_ = 0, line_ = 1;
 };
 
@@ -107,18 +121,20 @@ void take_header(RawRow& row, DelimitedText& table) {
             std::none_of(table.faults.begin(), table.faults.end(),
                          [&](const TableFault& fault) { return fault.column == name; }))
             table.faults.push_back({row.line, name, "the header names this column twice"});
+    table.header_line = row.line;
     table.columns = std::move(row.cells);
 }
 
-void take_row(RawRow& row, DelimitedText& table) {
+void take_row(RawRow& row, bool takes_any_text, DelimitedText& table) {
     const std::size_t before = table.faults.size();
     if (!row.complaint.empty()) {
         table.faults.push_back({row.line, "", row.complaint});
     } else if (row.cells.size() != table.columns.size()) {
         table.faults.push_back({row.line, "",
-                                fmt::format("the row has {} cells, the header {}", row.cells.size(),
-                                            table.columns.size())});
-    } else {
+                                fmt::format("{} values for {} columns; give one for each",
+                                            row.cells.size(), table.columns.size()),
+                                row.cells.size()});
+    } else if (!takes_any_text) {
         for (std::size_t k = 0; k < row.cells.size(); ++k)
             if (!is_clean_text(row.cells[k]))
                 table.faults.push_back({row.line, table.columns[k],
@@ -137,17 +153,17 @@ std::optional<std::size_t> DelimitedText::find(std::string_view column) const {
     return static_cast<std::size_t>(found - columns.begin());
 }
 
-DelimitedText parse_delimited(std::string_view text, char separator) {
+DelimitedText parse_delimited(std::string_view text, const DelimitedFormat& format) {
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     DelimitedText table;
-    RowReader reader(text, separator);
+    RowReader reader(text, format);
     RawRow row;
     if (!reader.next(row)) {
         table.faults.push_back({0, "", "the table is empty"});
         return table;
     }
     take_header(row, table);
-    while (reader.next(row)) take_row(row, table);
+    while (reader.next(row)) take_row(row, format.takes_any_text, table);
     return table;
 }
 
