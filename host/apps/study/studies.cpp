@@ -28,7 +28,7 @@ const std::vector<StudyEntry>& study_registry() {
          make_registration_study},
         {"aspiration-contours",
          "Outlines of sucked tissue from frames with a known outline, beside the published method",
-         0, make_aspiration_contours_study, false},
+         12, make_aspiration_contours_study, false, true},
     };
     return entries;
 }

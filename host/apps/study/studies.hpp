@@ -33,6 +33,8 @@ struct StudyEntry {
     int phantoms = 1;   ///< default of `StudyOptions::phantoms`; 0: it makes no pelvis phantoms
     Study (*make)(const StudyOptions& options);
     bool has_images = true;  ///< it recovers from label volumes, which can be drawn badly
+    /// Of the options of phantoms and meshes it uses how many (films), and the first seed.
+    bool counts_films = false;
 };
 
 /// All studies; `make` gets options with a number of phantoms.
