@@ -97,7 +97,7 @@ def wait_until(true, seconds=10):
 
 def test_a_cohort_is_planned_run_counted_and_collected(tmp_path):
     cohort = plan(tmp_path, patients=3, cases=2)
-    assert not os.access(cohort / "plan.tsv", os.W_OK) or os.geteuid() == 0
+    assert not (cohort / "plan.tsv").stat().st_mode & 0o222 and not (cohort / "plan.json").stat().st_mode & 0o222
     assert status(cohort)[0] == 9 and status(cohort)[1]["cases"]["waiting"] == 6
     finished = run(cohort, "--jobs", 2)
     assert finished.returncode == 0, finished.stderr
