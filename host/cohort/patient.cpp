@@ -70,7 +70,9 @@ public:
           plan_(read_plan(job.cohort)),
           patient_(plan_.patient(job.patient)),
           tell_(tell),
-          progress_([this, &progress](const Progress& step) { forward(step, progress); }) {
+          progress_([this, &progress](const Progress& step) {
+              if (progress) progress({step.stage, step.fraction, aliases_.in(step.message)});
+          }) {
         aliases_.add(patient_.reference, "reference");
         for (const CohortCase& c : patient_.cases) aliases_.add(c.target, c.target_name);
         aliases_.add(patient_.initial_transform, "initial transform");
@@ -102,16 +104,6 @@ private:
         toml_ += "backend = \"reference\"\n";
     }
 
-    /// Tells which target is in hand, and passes the rest on without names.
-    void forward(const Progress& step, const ProgressSink& progress) {
-        constexpr std::string_view stage_of_target = "target ";
-        if (step.stage.starts_with(stage_of_target)) {
-            const auto k = std::stoul(step.stage.substr(stage_of_target.size())) - 1;
-            tell_({PatientEvent::Kind::started, searched_.at(k)->id});
-        }
-        if (progress) progress({step.stage, step.fraction, aliases_.in(step.message)});
-    }
-
     void recover_cases() {
         if (cases_.empty()) return;
         const SerialBlas serial;  // patients side by side leave it no core of its own
@@ -122,12 +114,14 @@ private:
         const Segmentation reference = read_as(patient_.reference, "reference");
         const std::vector<Segmentation> targets = read_targets();
         if (targets.empty()) return;
-        if (targets.size() == 1) tell_({PatientEvent::Kind::started, searched_[0]->id});
         TargetSinks sinks;
         sinks.result = [&](std::size_t k, RecoveryResult result, double seconds) {
             keep(*searched_[k], result, seconds);
         };
         sinks.failed = [&](std::size_t k, const Error& error) { fail(*searched_[k], error); };
+        sinks.started = [&](std::size_t k) {
+            tell_({PatientEvent::Kind::started, searched_[k]->id});
+        };
         sinks.goes_on_without = true;
         recover_all(reference, targets, options, sinks, progress_);
     }

@@ -232,6 +232,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
     for (std::size_t at = 0; at < aligned.size(); ++at) {
         const std::size_t k = aligned[at].number;
         TargetState& target = *aligned[at].state;
+        if (tell.started) tell.started(k);
         if (repeats.size() > 1) {
             report_progress(progress, fmt::format("target {}", k + 1), 0,
                             fmt::format("of {}: {}", repeats.size(), target.name));

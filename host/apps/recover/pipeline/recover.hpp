@@ -30,6 +30,8 @@ struct TargetSinks {
     ResultSink result;
     FailureSink failed = {};  ///< empty: errors of one target go to the caller
     JointSink joint = {};     ///< empty: no joint estimate
+    /// Called before target k is searched.
+    std::function<void(std::size_t k)> started = {};
     /// A target that cannot be made ready or aligned goes to `failed`, too; else to the caller,
     /// before anything is computed.
     bool goes_on_without = false;
