@@ -95,6 +95,13 @@ void add_stiffness(const Response& response, const ElementPoints& element,
         }
 }
 
+/// Points that share a mean volume.
+template <class Law>
+void add_stiffness(const MeanDilatation<Law>& response, const ElementPoints&,
+                   ElementStiffness& stiffness) {
+    response.add_stiffness(stiffness.data());
+}
+
 template <class LawAt>
 void element_tangent(const SolidModel& model, const LawAt& law_at, const ElementPoints& element,
                      const Eigen::VectorXd& u, ElementStiffness& stiffness) {

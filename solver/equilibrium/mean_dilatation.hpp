@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "solver/equilibrium/element_points.hpp"
+#include "solver/equilibrium/mean_curvature.hpp"
 
 namespace palpate {
 
@@ -82,6 +83,19 @@ public:
             const double on_change = mean_pressure_ * j - point.pressure;
             dp[q] = sum_of(1.0, dp[q], 1.0, sum_of(on_g, point.g, on_change, g_change));
         }
+    }
+    /// Adds the same by every pair of the element's dofs to blocks [nodes, nodes, 3, 3].
+    void add_stiffness(double* blocks) const {
+        MeanCurvature curvature(element_, volume_ * theta_, mean_pressure_);
+        for (std::size_t q = 0; q < count_; ++q) {
+            const Point& point = points_[q];
+            curvature.add_point({element_.geometry[q], point.f, point.g, point.stress, point.scale,
+                                 1 + point.volume_change, point.pressure},
+                                [&](const Tensor3<double>& df) {
+                                    return point.law->tangent_apply(*point.state, df);
+                                });
+        }
+        curvature.add_to(blocks);
     }
     void law_directions(const PointTensors& dh, PointTensors& given) const {
         std::array<double, most_element_points> rate, scale_change;

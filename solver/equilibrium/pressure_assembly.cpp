@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/add_block.hpp"
@@ -126,6 +128,37 @@ void PressureAssembly::add_antisymmetric(const Eigen::VectorXd& u, bool is_trans
                                          BlockMatrix& matrix) const {
     // ((K - K^T) / 2)^T = -(K - K^T) / 2
     add_part(u, -1, is_transposed ? -1 : 1, matrix);
+}
+
+std::vector<MatrixEntry> PressureAssembly::antisymmetric_entries(const Eigen::VectorXd& u,
+                                                                 double negligible) const {
+    std::map<std::pair<Index, Index>, Mat3> blocks;  // K_ab - K_ba^T of nodes that share a face
+    for_each_face([&](const Face& face, const auto& points, std::size_t k) {
+        if (pressure_kpa_[k] == 0) return;
+        const auto place = places(face, u);
+        for (const ParametricPoint& point : points) {
+            const DeformedArea area(model_.mesh, point, place, face.size());
+            const double size = pressure_kpa_[k] * point.weight;
+            for (std::size_t b = 0; b < face.size(); ++b) {
+                const Mat3 slope = size * area.slope(b);
+                for (std::size_t a = 0; a < face.size(); ++a) {
+                    const auto add = [&](Index row, Index column, const Mat3& part) {
+                        blocks.try_emplace({row, column}, Mat3::Zero()).first->second += part;
+                    };
+                    add(face[a], face[b], point.value[a] * slope);
+                    add(face[b], face[a], -point.value[a] * slope.transpose());
+                }
+            }
+        }
+    });
+    std::vector<MatrixEntry> entries;
+    for (const auto& [nodes, block] : blocks)
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (std::abs(block(i, j)) > 2 * negligible)
+                    entries.push_back(
+                        {3 * nodes.first + i, 3 * nodes.second + j, 0.5 * block(i, j)});
+    return entries;
 }
 
 std::vector<double> PressureAssembly::products(const Eigen::VectorXd& u,

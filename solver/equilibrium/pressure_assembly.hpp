@@ -11,6 +11,12 @@
 
 namespace palpate {
 
+/// One number of a matrix.
+struct MatrixEntry {
+    Index row = 0, column = 0;
+    double value = 0;
+};
+
 /// The pressures of a SolidModel that follow its surface. With the area vector c of `DeformedArea`
 /// they push on node a, and the load stiffness that they add to the tangent is (Bonet and Wood
 /// 2008, section 8.5.2)
@@ -39,6 +45,10 @@ public:
     void add_symmetric(const Eigen::VectorXd& u, BlockMatrix& matrix) const;
     /// Adds (K - K^T) / 2 at u, or the transpose of that.
     void add_antisymmetric(const Eigen::VectorXd& u, bool is_transposed, BlockMatrix& matrix) const;
+    /// (K - K^T) / 2 at u where it is not zero: at the nodes of open edges.
+    ///   negligible  entries up to this size are rounding, mN/mm
+    std::vector<MatrixEntry> antisymmetric_entries(const Eigen::VectorXd& u,
+                                                   double negligible) const;
     /// lambda . df/dP of each pressure at u, mN mm per kPa [model.pressures]; lambda [3 num_nodes]
     /// mm.
     std::vector<double> products(const Eigen::VectorXd& u, const Eigen::VectorXd& lambda) const;

@@ -21,6 +21,8 @@ namespace palpate {
 namespace {
 
 constexpr Index parts_per_thread = 2;
+/// Below, threads take longer to start than they save.
+constexpr Index fewest_elements_to_share = 1000;
 
 template <typename Laws>
 struct VariantOf;
@@ -123,9 +125,12 @@ template <class Work>
 void SolidAssembly::Tables::for_each_element(Work&& work) const {
     const std::vector<Index>& starts = parts.elements.offsets;
     // Colours one after the other; the parts of a colour share no node and go side by side.
+    const Index smallest_part = model.mesh.num_elements() < fewest_elements_to_share
+                                    ? model.mesh.num_elements()
+                                    : parts_per_thread;
     for (Index c = 0; c < parts.parts.num_lists(); ++c) {
         const Index first = parts.parts.offsets[c], count = parts.parts.offsets[c + 1] - first;
-        parallel_ranges(count, parts_per_thread, [&](Index begin, Index end) {
+        parallel_ranges(count, smallest_part, [&](Index begin, Index end) {
             for (Index k = begin; k < end; ++k) {
                 const Index part = parts.parts.items[first + k];
                 for (Index e = starts[part]; e < starts[part + 1]; ++e)

@@ -11,15 +11,17 @@
 #include "solver/equilibrium/solid_assembly.hpp"
 #include "solver/linear/flexible_gmres.hpp"
 #include "solver/linear/free_dofs.hpp"
+#include "solver/linear/low_rank_update.hpp"
 #include "solver/linear/matrix_solver.hpp"
 
 namespace palpate {
 
 /// The tangent K of a SolidAssembly, its contacts and its following pressures, to be solved with on
 /// the free dofs at one displacement after the other, by a factor or by conjugate gradients
-/// (`MatrixSolver`). These take symmetric matrices: of a load stiffness they get the symmetric half
-/// and precondition GMRES with the whole (`flexible_gmres`), so that there is no unsymmetric
-/// factor.
+/// (`MatrixSolver`). These take symmetric matrices: of a load stiffness they get the symmetric
+/// half. The other half stands at the nodes of open edges; where these are few a factor takes it as
+/// a `LowRankUpdate`, else the half preconditions GMRES with the whole (`flexible_gmres`). So there
+/// is no unsymmetric factor.
 class TangentSolve {
 public:
     /// `solid` must outlive this object.
@@ -66,10 +68,15 @@ public:
 private:
     void fill_matrix(const Eigen::VectorXd& u);
     void keep_free(Eigen::Ref<Eigen::MatrixXd> columns) const;
+    void find_update(const Eigen::VectorXd& u);
+    bool solve_with_factor(const Eigen::MatrixXd& r, bool is_transposed,
+                           Eigen::Ref<Eigen::MatrixXd> x) const;
     bool solve_unsymmetric(const Eigen::VectorXd& r, const GmresOptions& options, double tolerance,
                            Eigen::VectorXd& x) const;
-    bool refine(const Eigen::MatrixXd& r, double tolerance, Eigen::Ref<Eigen::MatrixXd> x) const;
-    bool refine_columns(const Eigen::MatrixXd& r, double tolerance, Eigen::MatrixXd& x) const;
+    bool refine(const Eigen::MatrixXd& r, double tolerance, bool is_transposed,
+                Eigen::Ref<Eigen::MatrixXd> x) const;
+    bool refine_columns(const Eigen::MatrixXd& r, double tolerance, bool is_transposed,
+                        Eigen::MatrixXd& x) const;
     /// Calls work() with the tangent at u and the last factor, if that is near enough for it to
     /// return true, else with a new one.
     template <class Work>
@@ -83,6 +90,8 @@ private:
     std::unique_ptr<MatrixSolver> solver_;
     bool is_factorised_ = false;
     bool is_unsymmetric_ = false;  ///< `matrix_` has what the last `factorise` left out
+    bool is_updated_ = false;      ///< `update_` makes the factor that of the whole tangent
+    LowRankUpdate update_;
 };
 
 }  // namespace palpate

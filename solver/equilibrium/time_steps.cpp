@@ -59,7 +59,7 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
         if (has_relaxation(model)) history.end_step(dt_s, solid, states.back().displacement);
         start = {states.back().displacement, at.loads.force, at.loads.obstacle_motion,
                  states.back().contact.friction, at.loads.pressure_kpa};
-        if (!guesses.empty()) start.tangent = tangent;
+        start.tangent = tangent;
         now_s = at.time_s;
     }
     return states;

@@ -79,6 +79,7 @@ public:
         return true;
     }
 
+    bool is_direct() const override { return false; }
     bool is_indefinite() const override { return is_indefinite_; }
     const std::string& failure() const override { return failure_; }
     LinearSolverInfo describe() const override {

@@ -18,8 +18,10 @@ struct MatrixSolverOptions {
     /// `automatic`: factorised on the host where that is small, else multigrid on the back end; the
     /// host again where there is no device that can be used, or where conjugate gradients fail.
     LinearMethod method = LinearMethod::direct;
-    std::string direct_library = {};  ///< of a factorisation, see `make_sparse_factor`
-    std::string backend = "opencl";   ///< where conjugate gradients run
+    /// Of a factorisation, see `make_sparse_factor`. Empty: Eigen for small systems, else the
+    /// first.
+    std::string direct_library = {};
+    std::string backend = "opencl";  ///< where conjugate gradients run
     BackendOptions device = {};
     double relative_tolerance = 1e-4;  ///< of conjugate gradients; Newton's method refines
     int max_iterations = 2000;         ///< of conjugate gradients
@@ -41,6 +43,8 @@ public:
     /// iterations do not get there: x then means nothing.
     ///   right, x  [3 num_nodes, columns]
     virtual bool solve(const Eigen::MatrixXd& right, Eigen::Ref<Eigen::MatrixXd> x) = 0;
+    /// Whether `solve` errs by no more than rounding does.
+    virtual bool is_direct() const = 0;
     /// Whether the last `set` or `solve` found the matrix not to be positive definite: a larger
     /// shift may then help.
     virtual bool is_indefinite() const = 0;
