@@ -66,8 +66,9 @@ std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
     return points;
 }
 
-Deformation deform_linear(const WallProblem& problem, double load_factor,
-                          const LinearSolverOptions& options, const ProgressSink& progress) {
+std::vector<Deformation> deform_linear(const WallProblem& problem, double load_factor,
+                                       const LinearSolverOptions& options,
+                                       const ProgressSink& progress) {
     Columns u;
     const LinearSolverSummary solve =
         make_linear_solver(problem.model, options)->solve(problem.prescribed_mm, u, progress);
@@ -76,30 +77,35 @@ Deformation deform_linear(const WallProblem& problem, double load_factor,
                     "The phantom's true displacement could not be solved for: " + solve.message +
                         " Try --linear-solver direct or fewer nodes.");
     }
-    Deformation deformation;
-    deformation.relative_residual = solve.relative_residual;
-    deformation.displacement = as_points(u.col(0));
-    deformation.load_scale = load_factor;
-    scale_load(problem.model.mesh, deformation);
-    deformation.force =
-        nodal_forces(problem.model.mesh, problem.model.materials, deformation.displacement);
-    return deformation;
+    std::vector<Deformation> deformations(u.cols());
+    for (Eigen::Index load = 0; load < u.cols(); ++load) {
+        Deformation& deformation = deformations[load];
+        deformation.relative_residual = solve.relative_residual;
+        deformation.displacement = as_points(u.col(load));
+        deformation.load_scale = load_factor;
+        scale_load(problem.model.mesh, deformation);
+        deformation.force =
+            nodal_forces(problem.model.mesh, problem.model.materials, deformation.displacement);
+    }
+    return deformations;
 }
 
-Deformation deform_finite(const WallProblem& problem, TissueLaw law, double load_factor,
-                          const LinearSolverOptions& options, const ProgressSink& progress) {
+Deformation deform_finite(const WallProblem& problem, Eigen::Index load, TissueLaw law,
+                          double load_factor, const LinearSolverOptions& options,
+                          const ProgressSink& progress) {
     constexpr double step = 0.95, least_scale = 0.05;
     const SolidAssembly solid(solid_model_of(problem.model, name_of(law)),
                               {options.backend, options.device});
     EquilibriumOptions solve;
     solve.linear = matrix_solver_options(options);
-    SolidLoads loads{problem.prescribed_mm, Eigen::VectorXd::Zero(problem.model.num_dofs())};
+    const Eigen::VectorXd motion = problem.prescribed_mm.col(load);
+    SolidLoads loads{motion, Eigen::VectorXd::Zero(problem.model.num_dofs())};
     Deformation deformation;
     deformation.load_scale = load_factor;
     std::string message = "elements are crushed";
     for (; std::abs(deformation.load_scale) >= least_scale * std::abs(load_factor);
          deformation.load_scale *= step) {
-        loads.displacement = deformation.load_scale * problem.prescribed_mm;
+        loads.displacement = deformation.load_scale * motion;
         const Equilibrium state = solve_equilibrium(solid, loads, solve, {}, progress);
         message = state.message;
         if (!state.converged) continue;
@@ -156,13 +162,22 @@ WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearEl
     return problem;
 }
 
-Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
-                            const std::vector<WallMotion>& motions, double load_factor,
-                            TissueLaw law, const LinearSolverOptions& options,
-                            const ProgressSink& progress) {
-    const WallProblem problem = make_wall_problem(mesh, materials, motions);
-    return law == TissueLaw::linear ? deform_linear(problem, load_factor, options, progress)
-                                    : deform_finite(problem, law, load_factor, options, progress);
+std::vector<Deformation> deform_by_walls(const RegionMesh& mesh,
+                                         const std::vector<LinearElastic>& materials,
+                                         const std::vector<std::vector<WallMotion>>& loads,
+                                         double load_factor, TissueLaw law,
+                                         const LinearSolverOptions& options,
+                                         const ProgressSink& progress) {
+    WallProblem problem = make_wall_problem(mesh, materials, loads.front());
+    problem.prescribed_mm.conservativeResize(Eigen::NoChange, Eigen::Index(loads.size()));
+    for (std::size_t k = 1; k < loads.size(); ++k)
+        problem.prescribed_mm.col(Eigen::Index(k)) =
+            make_wall_problem(mesh, materials, loads[k]).prescribed_mm;
+    if (law == TissueLaw::linear) return deform_linear(problem, load_factor, options, progress);
+    std::vector<Deformation> deformations;
+    for (Eigen::Index load = 0; load < problem.prescribed_mm.cols(); ++load)
+        deformations.push_back(deform_finite(problem, load, law, load_factor, options, progress));
+    return deformations;
 }
 
 std::vector<Vec3> nodal_forces(const Mesh& mesh, const std::vector<LinearElastic>& materials,

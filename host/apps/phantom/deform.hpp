@@ -17,7 +17,7 @@ std::vector<std::uint8_t> nodes_on_region(const RegionMesh& mesh, Index region);
 /// The forward problem of a phantom: dofs on the walls, the box and the bones are prescribed.
 struct WallProblem {
     Model model;
-    Columns prescribed_mm;  ///< [num_dofs, 1] the walls' motion, 0 at all other dofs
+    Columns prescribed_mm;  ///< [num_dofs, loads] the walls' motion, 0 at all other dofs
 };
 
 /// Box and bones are at rest; where a wall meets them it rests too.
@@ -36,12 +36,15 @@ struct Deformation {
 /// Solves for equilibrium with the walls' motion prescribed and bones and box fixed, times
 /// `load_factor`, with the load scaled down until det(I + grad u) > 0.2 in every tet.
 ///   materials  by region number
-/// Throws Error(solve_failed) if the solver misses its tolerance, or if no equilibrium at large
-/// deformation is found.
-Deformation deform_by_walls(const RegionMesh& mesh, const std::vector<LinearElastic>& materials,
-                            const std::vector<WallMotion>& motions, double load_factor,
-                            TissueLaw law, const LinearSolverOptions& options,
-                            const ProgressSink& progress);
+///   loads      of each the motions; all move the same walls
+/// Returns a deformation for each load. Throws Error(solve_failed) if the solver misses its
+/// tolerance, or if no equilibrium at large deformation is found.
+std::vector<Deformation> deform_by_walls(const RegionMesh& mesh,
+                                         const std::vector<LinearElastic>& materials,
+                                         const std::vector<std::vector<WallMotion>>& loads,
+                                         double load_factor, TissueLaw law,
+                                         const LinearSolverOptions& options,
+                                         const ProgressSink& progress);
 
 /// Nodal forces K u (mN) of linear elasticity, [num_nodes]; summed over the nodes of a wall they
 /// are its resultant.

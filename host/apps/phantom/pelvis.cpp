@@ -4,7 +4,10 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <random>
 #include <sstream>
 #include <tuple>
 
@@ -178,6 +181,8 @@ void add_landmarks(PelvisPhantom& phantom, const PelvisAnatomy& anatomy, unsigne
         volume_up_to.push_back(volume += tet_volume(mesh, t));
     }
     RandomNumbers random(0x6c616e64ull * 1000003ull + seed);
+    phantom.landmarks.clear();
+    phantom.landmark_displacements.clear();
     while (phantom.landmarks.size() < num_landmarks) {
         const auto at = std::upper_bound(volume_up_to.begin(), volume_up_to.end() - 1,
                                          random.uniform(0, volume));
@@ -252,6 +257,72 @@ void describe_walls(const PelvisPhantom& phantom, const std::vector<WallMotion>&
     }
 }
 
+/// 1: that of the phantom; other loads are drawn as if for another phantom.
+unsigned seed_of_load(unsigned seed, unsigned load) {
+    if (load == 1) return seed;
+    std::seed_seq mixed{0x6c6f6164u, seed, load};
+    std::array<unsigned, 1> one{};
+    mixed.generate(one.begin(), one.end());
+    return one[0];
+}
+
+PelvisTruth truth_of(const PelvisPhantom& phantom, const std::vector<WallMotion>& motions,
+                     const Deformation& deformation) {
+    PelvisTruth truth;
+    truth.mesher = phantom.truth.mesher;
+    truth.load_scale = deformation.load_scale;
+    truth.smallest_jacobian = deformation.smallest_jacobian;
+    truth.solve_residual = deformation.relative_residual;
+    for (const Vec3& u : phantom.displacement) {
+        truth.peak_displacement_mm = std::max(truth.peak_displacement_mm, u.norm());
+    }
+    describe_prostate(phantom, truth);
+    describe_walls(phantom, motions, deformation.force, truth);
+    return truth;
+}
+
+/// The target of the first load is drawn as number `first_target`, the next ones follow.
+void deform_and_draw(const PelvisOptions& options, const std::vector<unsigned>& loads,
+                     unsigned first_target, const LinearSolverOptions& solver,
+                     const MesherOptions& mesher, const PelvisSink& take,
+                     const ProgressSink& progress) {
+    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing, options.anatomy);
+    PelvisPhantom phantom;
+    phantom.settings = make_settings(options);
+    const Index num_regions = phantom.settings.num_regions();
+    phantom.mesh = make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
+
+    std::vector<LoadFamily> families;
+    std::vector<std::vector<WallMotion>> motions;
+    for (const unsigned load : loads) {
+        const unsigned seed = seed_of_load(options.seed, load);
+        families.push_back(drawn_for(options.load, seed));
+        motions.push_back(
+            make_wall_motions(anatomy, seed, options.tangential_factor, families.back()));
+    }
+    const std::vector<Deformation> deformations =
+        deform_by_walls(with_tumour(phantom.mesh, anatomy, options, num_regions),
+                        make_materials(options, num_regions), motions, options.load_factor,
+                        options.law, solver, progress);
+
+    const auto labels = [&](const std::vector<Vec3>& nodes, unsigned image) {
+        return to_labels(drawn_image(phantom.mesh, nodes, anatomy, options, num_regions, image),
+                         phantom.settings);
+    };
+    phantom.reference = labels(phantom.mesh.mesh.nodes, 0);
+    for (std::size_t k = 0; k < loads.size(); ++k) {
+        report_progress(progress, "voxelising", double(k) / double(loads.size()));
+        phantom.displacement = deformations[k].displacement;
+        phantom.target = labels(deformed_nodes(phantom), first_target + unsigned(k));
+        add_landmarks(phantom, anatomy, options.seed);
+        phantom.truth = truth_of(phantom, motions[k], deformations[k]);
+        phantom.truth.load = loads[k];
+        phantom.truth.load_family = families[k];
+        take(phantom);
+    }
+    report_progress(progress, "voxelising", 1);
+}
+
 }  // namespace
 
 RegionMesh make_pelvis_mesh(const PelvisOptions& options, const MesherOptions& mesher,
@@ -269,49 +340,30 @@ WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOption
     MesherSummary summary;
     const RegionMesh mesh = make_reference_mesh(anatomy, options, mesher, summary, progress);
     const Index num_regions = make_settings(options).num_regions();
-    return make_wall_problem(
-        with_tumour(mesh, anatomy, options, num_regions), make_materials(options, num_regions),
-        make_wall_motions(anatomy, options.seed, options.tangential_factor, options.load));
+    return make_wall_problem(with_tumour(mesh, anatomy, options, num_regions),
+                             make_materials(options, num_regions),
+                             make_wall_motions(anatomy, options.seed, options.tangential_factor,
+                                               drawn_for(options.load, options.seed)));
+}
+
+void make_pelvis_loads(const PelvisOptions& options, unsigned num_loads,
+                       const LinearSolverOptions& solver, const MesherOptions& mesher,
+                       const PelvisSink& take, const ProgressSink& progress) {
+    check_options(options);
+    check_range("number of loads", num_loads, 1, 1000);
+    std::vector<unsigned> loads(num_loads);
+    std::iota(loads.begin(), loads.end(), 1u);
+    deform_and_draw(options, loads, 1, solver, mesher, take, progress);
 }
 
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
                           const MesherOptions& mesher, const ProgressSink& progress) {
     check_options(options);
-    const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing, options.anatomy);
-    PelvisPhantom phantom;
-    phantom.settings = make_settings(options);
-    const auto materials = make_materials(options, phantom.settings.num_regions());
-
-    phantom.mesh = make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
-    const std::vector<WallMotion> motions =
-        make_wall_motions(anatomy, options.seed, options.tangential_factor, options.load);
-    const RegionMesh loaded =
-        with_tumour(phantom.mesh, anatomy, options, phantom.settings.num_regions());
-    Deformation deformation = deform_by_walls(loaded, materials, motions, options.load_factor,
-                                              options.law, solver, progress);
-    phantom.displacement = std::move(deformation.displacement);
-
-    report_progress(progress, "voxelising", 0);
-    const auto labels = [&](const std::vector<Vec3>& nodes, unsigned image) {
-        return to_labels(drawn_image(phantom.mesh, nodes, anatomy, options,
-                                     phantom.settings.num_regions(), image),
-                         phantom.settings);
-    };
-    phantom.reference = labels(phantom.mesh.mesh.nodes, 0);
-    phantom.target = labels(deformed_nodes(phantom), options.target);
-    add_landmarks(phantom, anatomy, options.seed);
-
-    PelvisTruth& truth = phantom.truth;
-    truth.load_scale = deformation.load_scale;
-    truth.smallest_jacobian = deformation.smallest_jacobian;
-    truth.solve_residual = deformation.relative_residual;
-    for (const Vec3& u : phantom.displacement) {
-        truth.peak_displacement_mm = std::max(truth.peak_displacement_mm, u.norm());
-    }
-    describe_prostate(phantom, truth);
-    describe_walls(phantom, motions, deformation.force, truth);
-    report_progress(progress, "voxelising", 1);
-    return phantom;
+    PelvisPhantom made;
+    deform_and_draw(
+        options, {1}, options.target, solver, mesher,
+        [&](const PelvisPhantom& phantom) { made = phantom; }, progress);
+    return made;
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +52,8 @@ struct WallTruth {
 };
 
 struct PelvisTruth {
+    unsigned load = 1;  ///< number of the load
+    LoadFamily load_family = LoadFamily::mixed;
     std::vector<WallTruth> walls;  ///< lengths before `load_scale`
     double load_scale = 1;         ///< on all wall motions, so that no tet is crushed
     double smallest_jacobian = 1;  ///< smallest det(I + grad u) of all tets
@@ -84,6 +87,17 @@ struct PelvisPhantom {
 PelvisPhantom make_pelvis(const PelvisOptions& options, const LinearSolverOptions& solver,
                           const MesherOptions& mesher, const ProgressSink& progress = {});
 
+using PelvisSink = std::function<void(const PelvisPhantom& phantom)>;
+
+/// The patient of `make_pelvis` under the loads 1 to `num_loads`, one after the other to `take`:
+/// mesh and reference stay, motion, target, landmarks' displacements and truth are of the load.
+/// Load 1 is that of the seed; the family of each is drawn anew where `options.load` says so, and
+/// so are the contours of each target. `options.target` has no meaning here.
+/// Throws what `make_pelvis` does, and what `take` throws.
+void make_pelvis_loads(const PelvisOptions& options, unsigned num_loads,
+                       const LinearSolverOptions& solver, const MesherOptions& mesher,
+                       const PelvisSink& take, const ProgressSink& progress = {});
+
 /// The undeformed mesh of the same phantom alone.
 RegionMesh make_pelvis_mesh(const PelvisOptions& options, const MesherOptions& mesher,
                             const ProgressSink& progress = {});
@@ -97,5 +111,12 @@ WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOption
 /// folder `folder`, all or nothing. Throws Error(output_failed).
 void write_pelvis(const PelvisPhantom& phantom, const PelvisOptions& options,
                   const std::filesystem::path& folder);
+
+/// The same of several loads, which `for_each` hands over. The folder holds reference.nii.gz,
+/// organs.toml, pairs.tsv (a table for `palpate cohort plan`) and for each load a folder target-01,
+/// target-02, ... with the other files.
+void write_pelvis_loads(const PelvisOptions& options,
+                        const std::function<void(const PelvisSink& take)>& for_each,
+                        const std::filesystem::path& folder);
 
 }  // namespace palpate

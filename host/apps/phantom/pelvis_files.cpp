@@ -1,17 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "host/apps/phantom/pelvis.hpp"
+#include "host/io/delimited_text.hpp"
+#include "host/io/output_folder.hpp"
 #include "host/io/volume_files.hpp"
-#include "solver/base/error.hpp"
-#include "solver/base/locked_folder.hpp"
 
 namespace palpate {
 namespace {
@@ -70,7 +66,7 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"frame", "LPS, mm"},
         {"spacing_mm", to_json(options.spacing)},
         {"contours", to_text(options.contours)},
-        {"load_family", name_of(options.load)},
+        {"load_family", name_of(truth.load_family)},
         {"anatomy", name_of(options.anatomy)},
         {"material", name_of(options.law)},
         {"regions", regions_to_json(phantom, options)},
@@ -79,7 +75,8 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
           {"elements", phantom.mesh.mesh.num_tets()},
           {"mesher", truth.mesher.mesher}}},
         {"load",
-         {{"description",
+         {{"number", truth.load},
+          {"description",
            "prescribed wall displacement = scale x (normal + shift + tangential); "
            "bones and box fixed"},
           {"scale", truth.load_scale},
@@ -130,71 +127,56 @@ Surface deformed_surface(const PelvisPhantom& phantom, Index region) {
     return surface;
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) throw Error(ErrorCode::output_failed, "Cannot write " + path.string() + ".");
-}
-
-/// Brings a file or folder to the disk, so that the rename after it never shows half of it.
-void sync_to_disk(const fs::path& path) {
-    const int handle = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool is_synced = handle >= 0 && ::fsync(handle) == 0;
-    if (handle >= 0) ::close(handle);
-    if (!is_synced) {
-        throw Error(ErrorCode::output_failed, "Cannot bring " + path.string() + " to the disk: " +
-                                                  std::generic_category().message(errno) + ".");
-    }
-}
-
 void write_surfaces(const PelvisPhantom& phantom, const fs::path& folder) {
     const auto& organs = phantom.settings.organs;
     for (std::size_t k = 0; k < organs.size(); ++k) {
         if (organs[k].role == Role::fixed) continue;
         const Index region = first_organ_region + static_cast<Index>(k);
-        write_text(folder / ("target_" + organs[k].name + ".ply"),
-                   to_ply(deformed_surface(phantom, region)));
+        write_text_file(folder / ("target_" + organs[k].name + ".ply"),
+                        to_ply(deformed_surface(phantom, region)));
     }
 }
 
-void write_files(const PelvisPhantom& phantom, const PelvisOptions& options,
-                 const fs::path& folder) {
-    write_label_image(folder / "reference.nii.gz", phantom.reference);
+/// What belongs to the motion: all but the reference and the settings.
+void write_target(const PelvisPhantom& phantom, const PelvisOptions& options,
+                  const fs::path& folder) {
     write_label_image(folder / "target.nii.gz", phantom.target);
-    write_text(folder / "organs.toml", to_toml(phantom.settings));
-    write_text(folder / "truth.json", truth_to_json(phantom, options));
-    write_text(folder / "landmarks.csv", landmarks_to_csv(phantom));
+    write_text_file(folder / "truth.json", truth_to_json(phantom, options));
+    write_text_file(folder / "landmarks.csv", landmarks_to_csv(phantom));
     write_surfaces(phantom, folder);
-    for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
-        sync_to_disk(file.path());
-    }
-    sync_to_disk(folder);
+}
+
+void write_reference(const PelvisPhantom& phantom, const fs::path& folder) {
+    write_label_image(folder / "reference.nii.gz", phantom.reference);
+    write_text_file(folder / "organs.toml", to_toml(phantom.settings));
 }
 
 }  // namespace
 
 void write_pelvis(const PelvisPhantom& phantom, const PelvisOptions& options,
                   const fs::path& folder) {
-    try {
-        fs::path final_path = fs::absolute(folder).lexically_normal();
-        if (!final_path.has_filename()) final_path = final_path.parent_path();
-        if (fs::exists(final_path)) {
-            throw Error(ErrorCode::output_failed,
-                        "The folder " + folder.string() + " exists already; name a new one.");
-        }
-        fs::create_directories(final_path.parent_path());
-        LockedFolder temporary(final_path.parent_path(),
-                               fmt::format(".{}.unfinished-", final_path.filename().string()),
-                               LockedFolder::Readers::everybody);
-        write_files(phantom, options, temporary.path());
-        fs::rename(temporary.path(), final_path);
-        temporary.keep();
-        sync_to_disk(final_path.parent_path());
-    } catch (const fs::filesystem_error& error) {
-        throw Error(ErrorCode::output_failed,
-                    "The phantom could not be written: " + std::string(error.what()) + ".");
-    }
+    write_folder_atomically(folder, false, [&](const fs::path& inside) {
+        write_reference(phantom, inside);
+        write_target(phantom, options, inside);
+    });
+}
+
+void write_pelvis_loads(const PelvisOptions& options,
+                        const std::function<void(const PelvisSink& take)>& for_each,
+                        const fs::path& folder) {
+    write_folder_atomically(folder, false, [&](const fs::path& inside) {
+        std::string pairs = delimited_line({"participant_id", "reference", "target"}, '\t');
+        for_each([&](const PelvisPhantom& phantom) {
+            if (phantom.truth.load == 1) write_reference(phantom, inside);
+            const std::string target = fmt::format("target-{:02}", phantom.truth.load);
+            make_folders(inside / target);
+            write_target(phantom, options, inside / target);
+            pairs += delimited_line({fmt::format("phantom-{}", options.seed), "reference.nii.gz",
+                                     target + "/target.nii.gz"},
+                                    '\t');
+        });
+        write_text_file(inside / "pairs.tsv", pairs);
+    });
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "host/apps/compute_options.hpp"
@@ -64,6 +65,11 @@ std::vector<Option> motion_and_image_options() {
                         "Number of the target: reference and load are those of the seed, the "
                         "contours of each target are drawn anew (contours, load_factor)")
             .usually(std::int64_t{usual.target}),
+        Option::integer(
+            "loads", 1, 1000,
+            "Targets of one reference, each moved and drawn anew: a table pairs.tsv and "
+            "a folder for each")
+            .excludes({"target"}),
         Option::number("spacing", "mm", {0.2, 10}, "Voxel size")
             .list(3, 3)
             .usually(std::vector<double>{1, 1, 1}),
@@ -85,7 +91,7 @@ PelvisOptions pelvis_of(const OptionValues& values) {
     options.tumour_fraction = values.number("tumour_fraction");
     options.tumour_stiffness_kpa = values.number("tumour_kpa");
     options.anatomy = drawn_for(anatomy_family_of(values.text("anatomy")), options.seed);
-    options.load = drawn_for(load_family_of(values.text("load")), options.seed);
+    options.load = load_family_of(values.text("load"));
     options.load_factor = values.number("load_factor");
     options.tangential_factor = values.number("tangential");
     options.target = static_cast<unsigned>(values.integer("target"));
@@ -102,17 +108,39 @@ Outcome run_phantom(const OptionValues& values, const ProgressSink& progress) {
             ErrorCode::output_failed,
             fmt::format("{} exists already; remove it or choose another --out", folder.string()));
     const PelvisOptions options = pelvis_of(values);
-    const PelvisPhantom phantom =
-        make_pelvis(options, solver_of(values), mesher_of(values), progress);
-    write_pelvis(phantom, options, folder);
-    const PelvisTruth& truth = phantom.truth;
+    PelvisTruth largest;  // of the load that moves most
+    std::int64_t nodes = 0;
+    const auto note = [&](const PelvisPhantom& phantom) {
+        nodes = phantom.mesh.mesh.num_nodes();
+        if (phantom.truth.peak_displacement_mm >= largest.peak_displacement_mm)
+            largest = phantom.truth;
+    };
+    const std::int64_t loads = values.is_given("loads") ? values.whole("loads") : 0;
+    if (loads == 0) {
+        const PelvisPhantom phantom =
+            make_pelvis(options, solver_of(values), mesher_of(values), progress);
+        write_pelvis(phantom, options, folder);
+        note(phantom);
+    } else {
+        const auto for_each = [&](const PelvisSink& write) {
+            make_pelvis_loads(
+                options, static_cast<unsigned>(loads), solver_of(values), mesher_of(values),
+                [&](const PelvisPhantom& phantom) {
+                    write(phantom);
+                    note(phantom);
+                },
+                progress);
+        };
+        write_pelvis_loads(options, for_each, folder);
+    }
     return {
         ResultTree::of("phantom", {{"format", "palpate-phantom"},
                                    {"format_version", 1},
                                    {"seed", std::int64_t{options.seed}},
-                                   {"nodes", std::int64_t{phantom.mesh.mesh.num_nodes()}},
-                                   {"peak_displacement_mm", truth.peak_displacement_mm},
-                                   {"prostate_shape_change_mm", truth.prostate_shape_change_mm}}),
+                                   {"nodes", nodes},
+                                   {"loads", std::max<std::int64_t>(loads, 1)},
+                                   {"peak_displacement_mm", largest.peak_displacement_mm},
+                                   {"prostate_shape_change_mm", largest.prostate_shape_change_mm}}),
         fmt::format("phantom: {}\n", folder.string())};
 }
 

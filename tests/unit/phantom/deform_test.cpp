@@ -90,7 +90,7 @@ TEST_F(DeformedPelvis, MovesWallsAsPrescribedHoldsBonesAndCrushesNoElement) {
     options.backend = "reference";
 
     const Deformation result =
-        deform_by_walls(block, materials, motions, 1, TissueLaw::linear, options, {});
+        deform_by_walls(block, materials, {motions}, 1, TissueLaw::linear, options, {}).at(0);
 
     double smallest = std::numeric_limits<double>::max();
     for (const Tet& t : block.mesh.tets) {
@@ -124,8 +124,9 @@ TEST_F(DeformedPelvis, BalancesForcesBetweenWallsBonesAndBox) {
     materials[2] = {80, 0.40};
     LinearSolverOptions options;
     options.backend = "reference";
-    const Deformation result = deform_by_walls(block, materials, make_wall_motions(anatomy, 1), 1,
-                                               TissueLaw::linear, options, {});
+    const Deformation result = deform_by_walls(block, materials, {make_wall_motions(anatomy, 1)}, 1,
+                                               TissueLaw::linear, options, {})
+                                   .at(0);
 
     const auto forces = nodal_forces(block.mesh, materials, result.displacement);
 
@@ -141,6 +142,30 @@ TEST_F(DeformedPelvis, BalancesForcesBetweenWallsBonesAndBox) {
     }
     EXPECT_GT(largest_held, 100);
     EXPECT_LT(largest_free, 1e-6 * largest_held);
+}
+
+TEST_F(DeformedPelvis, MovesUnderEachLoadAsUnderItAlone) {
+    std::vector<LinearElastic> materials(7);
+    materials[1] = {10, 0.35};
+    materials[2] = {80, 0.40};
+    LinearSolverOptions options;
+    options.backend = "reference";
+    const std::vector<std::vector<WallMotion>> loads{make_wall_motions(anatomy, 1),
+                                                     make_wall_motions(anatomy, 2)};
+
+    const auto both = deform_by_walls(block, materials, loads, 1, TissueLaw::linear, options, {});
+
+    ASSERT_EQ(both.size(), 2u);
+    for (std::size_t k = 0; k < loads.size(); ++k) {
+        const Deformation alone =
+            deform_by_walls(block, materials, {loads[k]}, 1, TissueLaw::linear, options, {}).at(0);
+        EXPECT_EQ(alone.load_scale, both[k].load_scale);
+        for (std::size_t n = 0; n < alone.displacement.size(); ++n)
+            EXPECT_LT((alone.displacement[n] - both[k].displacement[n]).norm(), 1e-6);
+    }
+    EXPECT_GT((both[0].displacement[0] - both[1].displacement[0]).norm() +
+                  std::abs(both[0].smallest_jacobian - both[1].smallest_jacobian),
+              1e-3);
 }
 
 }  // namespace

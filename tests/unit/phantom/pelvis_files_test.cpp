@@ -139,6 +139,39 @@ TEST_F(PelvisFiles, NeverReplaceAFolderAndLeaveNothingBehind) {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 
+TEST_F(PelvisFiles, OfSeveralLoadsAreATableWithAFolderForEach) {
+    const auto two = [](const PelvisSink& take) {
+        PelvisPhantom phantom = tiny_phantom();
+        take(phantom);
+        phantom.truth.load = 2;
+        phantom.truth.load_family = LoadFamily::bump;
+        phantom.target.at(1, 1, 1) = 1;
+        take(phantom);
+    };
+
+    write_pelvis_loads(options, two, folder / "a");
+
+    EXPECT_EQ(text_of(folder / "a" / "pairs.tsv"),
+              "participant_id\treference\ttarget\n"
+              "phantom-7\treference.nii.gz\ttarget-01/target.nii.gz\n"
+              "phantom-7\treference.nii.gz\ttarget-02/target.nii.gz\n");
+    EXPECT_EQ(read_label_image(folder / "a" / "target-02" / "target.nii.gz").at(1, 1, 1), 1);
+    EXPECT_EQ(read_settings(folder / "a" / "organs.toml").organs.at(0).name, "prostate");
+    const auto truth = nlohmann::json::parse(text_of(folder / "a" / "target-02" / "truth.json"));
+    EXPECT_EQ(truth["load"]["number"], 2);
+    EXPECT_EQ(truth["load_family"], "bump");
+}
+
+TEST_F(PelvisFiles, OfSeveralLoadsAreWholeOrNotThere) {
+    const auto broken = [](const PelvisSink& take) {
+        take(tiny_phantom());
+        throw Error(ErrorCode::solve_failed, "no equilibrium");
+    };
+    fs::create_directories(folder);
+    EXPECT_THROW(write_pelvis_loads(options, broken, folder / "a"), Error);
+    EXPECT_TRUE(fs::is_empty(folder));
+}
+
 TEST_F(PelvisFiles, SayWhenTheParentIsAFile) {
     fs::create_directories(folder);
     std::ofstream(folder / "file") << "x";

@@ -152,6 +152,55 @@ TEST(Pelvis, StandsStillWithoutLoad) {
     EXPECT_EQ(still.truth.walls.at(0).resultant_force_mn.norm(), 0);
 }
 
+TEST(Pelvis, MovesOneReferenceUnderSeveralLoads) {
+    PelvisOptions options;
+    options.seed = 4;
+    options.num_nodes = 5000;
+    options.spacing = Vec3::Constant(2);
+    options.load = LoadFamily::drawn;
+    options.contours = contour_error_of("matern32:0.5:7");
+    std::vector<PelvisPhantom> made;
+
+    make_pelvis_loads(options, 3, {}, {}, [&](const PelvisPhantom& one) { made.push_back(one); });
+
+    ASSERT_EQ(made.size(), 3u);
+    const PelvisPhantom alone = make_pelvis(options, {}, {});
+    EXPECT_EQ(made[0].target.voxels, alone.target.voxels);
+    EXPECT_EQ(made[0].truth.load_family, drawn_for(LoadFamily::drawn, options.seed));
+    for (unsigned k = 0; k < 3; ++k) {
+        EXPECT_EQ(made[k].truth.load, k + 1);
+        EXPECT_EQ(made[k].reference.voxels, alone.reference.voxels);
+        EXPECT_EQ(made[k].landmarks, alone.landmarks);
+        ASSERT_EQ(made[k].landmark_displacements.size(), alone.landmarks.size());
+        EXPECT_EQ(made[k].truth.walls.size(), 2u);
+        EXPECT_GT(made[k].truth.peak_displacement_mm, 0.5);
+    }
+    for (unsigned k = 1; k < 3; ++k) {
+        EXPECT_NE(made[k].truth.walls[0].shift_mm, made[0].truth.walls[0].shift_mm);
+        EXPECT_LT(dice(made[k].target, made[0].target, 1), 0.99);
+    }
+}
+
+TEST(Pelvis, DrawsTheContoursOfEachTargetAnew) {
+    PelvisOptions options;
+    options.seed = 4;
+    options.num_nodes = 5000;
+    options.spacing = Vec3::Constant(2);
+    options.load_factor = 0;
+    options.contours = contour_error_of("matern32:0.5:7");
+    std::vector<std::vector<std::uint16_t>> drawn;
+
+    make_pelvis_loads(options, 2, {}, {}, [&](const PelvisPhantom& one) {
+        drawn.push_back(one.reference.voxels);
+        drawn.push_back(one.target.voxels);
+    });
+
+    EXPECT_EQ(drawn.at(0), drawn.at(2));
+    EXPECT_NE(drawn.at(0), drawn.at(1));
+    EXPECT_NE(drawn.at(1), drawn.at(3));
+    EXPECT_NE(drawn.at(0), drawn.at(3));
+}
+
 TEST(Pelvis, RefusesOptionsOutOfRange) {
     PelvisOptions options;
     options.stiffness_kpa = 0;
