@@ -36,7 +36,7 @@ def submit(slurm, cohort, *more):
     return ask(slurm, "sbatch", "--parsable", *more, "engines/slurm.sh", cwd=cohort)
 
 
-def wait_for(slurm, job, seconds=60):
+def wait_for(slurm, job, seconds=180):
     wait_until(lambda: not ask(slurm, "squeue", "--noheader", "--job", job), seconds)
 
 
@@ -71,7 +71,7 @@ def test_a_time_limit_stops_a_task_in_order_and_it_goes_on_when_requeued(slurm, 
     cohort = planned(tmp_path, monkeypatch, 1, 45, 1)
     # One minute is no more than the lead of the signal, which comes when Slurm looks at its limits: every half a minute.
     job = submit(slurm, cohort, "--time=1")
-    wait_for(slurm, job, 60)
+    wait_for(slurm, job)
     code, counts = status(cohort)
     assert code == 9 and counts["in_work"] == 0 and 0 < counts["cases"]["done"] < 45
     assert not list((cohort / "cases").rglob("*.unfinished-*"))
@@ -80,8 +80,8 @@ def test_a_time_limit_stops_a_task_in_order_and_it_goes_on_when_requeued(slurm, 
     done_before = counts["cases"]["done"]
     ask(slurm, "scontrol", "requeue", f"{job}_1")
     ask(slurm, "scontrol", "update", f"jobid={job}_1", "timelimit=10", "starttime=now")
-    wait_until(lambda: status(cohort)[1]["cases"]["done"] > done_before, 30)
-    wait_until(lambda: status(cohort)[0] == 0, 60)
+    wait_until(lambda: status(cohort)[1]["cases"]["done"] > done_before, 120)
+    wait_until(lambda: status(cohort)[0] == 0, 180)
     noted = journal_cases(cohort)
     assert len(noted) == len(set(noted)) == 45
 
@@ -89,7 +89,7 @@ def test_a_time_limit_stops_a_task_in_order_and_it_goes_on_when_requeued(slurm, 
 def test_a_cancelled_array_leaves_nothing_running_and_goes_on_when_submitted_again(slurm, tmp_path, monkeypatch):
     cohort = planned(tmp_path, monkeypatch, 12, 3, 0.3)
     first = submit(slurm, cohort)
-    wait_until(lambda: status(cohort)[1]["cases"]["done"] > 3, 30)
+    wait_until(lambda: status(cohort)[1]["cases"]["done"] > 3, 120)
     ask(slurm, "scancel", first)
     wait_for(slurm, first)
     wait_until(lambda: status(cohort)[1]["in_work"] == 0, 5)
@@ -105,7 +105,7 @@ def test_a_cancelled_array_leaves_nothing_running_and_goes_on_when_submitted_aga
 def test_killed_drivers_are_made_up_for_by_the_same_file_again(slurm, tmp_path, monkeypatch):
     cohort = planned(tmp_path, monkeypatch, 12, 3, 0.1)
     first = submit(slurm, cohort)
-    wait_until(lambda: status(cohort)[1]["in_work"] > 1, 30)
+    wait_until(lambda: status(cohort)[1]["in_work"] > 1, 120)
     drivers = subprocess.run(["pgrep", "-f", "cohort run . --shard"], capture_output=True, text=True).stdout.split()
     killed = 0
     for driver in drivers:

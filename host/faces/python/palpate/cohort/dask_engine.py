@@ -124,20 +124,24 @@ class Engine:
 
     def run(self, tell) -> None:
         """Until every shard has been run to its end. `tell` gets the number of shards that are over."""
+        from concurrent.futures import CancelledError
+
         from distributed import wait
 
         while self.waiting or self.running:
             self.submit()
-            with contextlib.suppress(TimeoutError):
+            with contextlib.suppress(TimeoutError, CancelledError):  # `take` sees which
                 wait(list(self.running), timeout=SECONDS_BETWEEN_LOOKS, return_when="FIRST_COMPLETED")
+            if self.client.status != "running":
+                raise CohortError("the scheduler is gone; what is done stays: start it, and this command again", STOPPED)
             for future in [f for f in self.running if f.status != "pending"]:
                 self.take(future)
-            if self.client.status not in ("running", "connecting"):
-                raise CohortError("the scheduler is gone; what is done stays: start it, and this command again", STOPPED)
             tell(self.count - len(self.waiting) - len(self.running))
 
     def stop(self) -> None:
-        """Nothing of this call is left running on the workers."""
+        """Nothing of this call is left running on the workers; those without a scheduler end by themselves."""
+        if self.client.status != "running":
+            return
         with contextlib.suppress(Exception):
             self.client.cancel(list(self.running))
             self.client.run(stop_on_worker, on_error="ignore")
@@ -153,9 +157,9 @@ def connected(chosen):
             if not pathlib.Path(chosen.scheduler_file).is_file():
                 raise CohortError(f"{chosen.scheduler_file}: there is no such file; `dask scheduler --scheduler-file` writes it",
                                   WRONG_OPTION)
-            client = distributed.Client(scheduler_file=chosen.scheduler_file, timeout=15)
+            client = distributed.Client(scheduler_file=chosen.scheduler_file, timeout=10)
         elif chosen.scheduler:
-            client = distributed.Client(chosen.scheduler, timeout=15)
+            client = distributed.Client(chosen.scheduler, timeout=10)
         else:
             client = distributed.Client(n_workers=chosen.jobs, threads_per_worker=1, dashboard_address=None)
     except OSError as error:
