@@ -42,6 +42,8 @@ void write_engine_files(const CohortPlan& plan, const std::filesystem::path& fol
                              "#SBATCH --mem=2G\n"
                              "#SBATCH --time={1}\n"
                              "#SBATCH --signal=B:TERM@60\n"
+                             "#SBATCH --requeue\n"
+                             "#SBATCH --open-mode=append\n"
                              "#SBATCH --output=logs/slurm-%A_%a.txt\n"
                              "{2}exec palpate cohort run . --shard \"$SLURM_ARRAY_TASK_ID/{0}\" "
                              "--jobs \"${{SLURM_CPUS_PER_TASK:-1}}\" --progress none\n",

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
-"""python -m palpate.cohort report PAIRS.tsv --out FOLDER: what a cohort says of patients."""
+"""python -m palpate.cohort dask COHORT: a planned cohort on the workers of Dask.
+python -m palpate.cohort report PAIRS.tsv --out FOLDER: what a cohort says of patients."""
 from __future__ import annotations
 
 import argparse
@@ -11,6 +12,23 @@ import sys
 def arguments_of(command) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m palpate.cohort", description="From a table of pairs to the figure of a paper.")
     commands = parser.add_subparsers(dest="command", required=True)
+    add_dask(commands)
+    add_report(commands)
+    return parser.parse_args(command)
+
+
+def add_dask(commands) -> None:
+    dask = commands.add_parser("dask", help="run a planned cohort on the workers of a Dask scheduler")
+    dask.add_argument("cohort", help="folder of `palpate cohort plan`, seen by all workers under the same name")
+    where = dask.add_mutually_exclusive_group()
+    where.add_argument("--scheduler-file", metavar="FILE", help="as of `dask scheduler --scheduler-file`")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="tcp://host:8786")
+    where.add_argument("--jobs", type=int, default=1, metavar="N", help="without a scheduler: workers on this machine")
+    dask.add_argument("--program", metavar="FILE", help="palpate on the workers; default: $PALPATE, or the first of PATH")
+    dask.set_defaults(run=dask_run)
+
+
+def add_report(commands) -> None:
     report = commands.add_parser("report", help="a page of patients, tests against a clinical variable, and scans")
     report.add_argument("pairs", help="pairs.tsv of `palpate cohort collect`, or the folder of the cohort")
     report.add_argument("--out", required=True, help="new folder for index.html, patients.tsv and statistics.json")
@@ -21,10 +39,22 @@ def arguments_of(command) -> argparse.Namespace:
     report.add_argument("--sd-reference", type=float, metavar="SD",
                         help="sd of ln E that all pairs share through one reference; without it, from patients with several references")
     report.add_argument("--title", default="Stiffness of a cohort")
-    return parser.parse_args(command)
+    report.set_defaults(run=report_run)
 
 
-def report(chosen: argparse.Namespace) -> None:
+def dask_run(chosen: argparse.Namespace) -> int:
+    from .dask_engine import run_on_dask
+    from .errors import STOPPED, WRONG_OPTION, CohortError
+
+    if chosen.jobs < 1:
+        raise CohortError(f"--jobs {chosen.jobs}: allowed are 1 and more", WRONG_OPTION)
+    try:
+        return run_on_dask(chosen)
+    except KeyboardInterrupt:
+        raise CohortError("stopped; what is done stays: the same command goes on", STOPPED) from None
+
+
+def report_run(chosen: argparse.Namespace) -> int:
     from .errors import WRONG_OPTION, CohortError
     from .report import write_report
     from .study import study_of
@@ -41,6 +71,7 @@ def report(chosen: argparse.Namespace) -> None:
     study = study_of(read_pairs(path, chosen.region), participants, chosen.against, order, chosen.sd_reference, chosen.participants)
     write_report(study, chosen.out, chosen.title)
     print(f"{len(study.pairs.used)} of {study.pairs.total} pairs, {len(study.patients)} patients: {pathlib.Path(chosen.out) / 'index.html'}")
+    return 0
 
 
 def main(command=None) -> int:
@@ -48,14 +79,14 @@ def main(command=None) -> int:
     try:
         from .._core import PalpateError
 
-        report(chosen)
+        return chosen.run(chosen)
     except ImportError as error:
-        print(f"palpate.cohort: {error.name} is missing; pip install 'palpate[cohort]'", file=sys.stderr)
+        extra = "dask" if chosen.command == "dask" else "cohort"
+        print(f"palpate.cohort: {error.name} is missing; pip install 'palpate[{extra}]'", file=sys.stderr)
         return 2
     except PalpateError as error:
         print(f"palpate.cohort: {error}", file=sys.stderr)
         return getattr(error, "status", 1)
-    return 0
 
 
 if __name__ == "__main__":

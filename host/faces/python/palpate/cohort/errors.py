@@ -3,7 +3,7 @@
 """What a table or an option is refused for."""
 from .._core import PalpateError
 
-WRONG_OPTION, DAMAGED_FILE, UNUSABLE_INPUT, OUTPUT_FAILED = 2, 3, 4, 10
+WRONG_OPTION, DAMAGED_FILE, UNUSABLE_INPUT, NOT_CONVERGED, DEVICE_FAILED, STOPPED, OUTPUT_FAILED = 2, 3, 4, 7, 8, 9, 10
 
 
 class CohortError(PalpateError):
