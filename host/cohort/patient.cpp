@@ -122,6 +122,8 @@ private:
         sinks.started = [&](std::size_t k) {
             tell_({PatientEvent::Kind::started, searched_[k]->id});
         };
+        if (plan_.keep == KeptFiles::compact)
+            sinks.prepared = [&](const BodyMesh& body) { body_ = body_bytes(body); };
         sinks.goes_on_without = true;
         recover_all(reference, targets, options, sinks, progress_);
     }
@@ -164,7 +166,7 @@ private:
             if (region.unknown) record.regions.push_back(region_record(region, result));
         const fs::path patient_folder = folder_.patient_folder(patient_);
         if (plan_.keep == KeptFiles::compact)
-            record.mesh = keep_mesh(result, patient_folder / "reference");
+            record.mesh = keep_mesh(result, body_, patient_folder / "reference");
         write_case(patient_folder / c.id, record,
                    [&](const fs::path& inside) { write_kept_result(result, plan_.keep, inside); });
         tell_({PatientEvent::Kind::done, c.id, 0, "", record});
@@ -177,6 +179,7 @@ private:
     ProgressSink progress_;
     Aliases aliases_;
     std::string toml_;
+    std::string body_;                         ///< bytes of the mesh, where it is kept
     std::vector<const CohortCase*> cases_;     ///< of the job, without a result
     std::vector<const CohortCase*> searched_;  ///< those whose volumes could be read
 };

@@ -3,8 +3,10 @@
 """Cohorts through the command line: planning, and runs that are killed. The cases of most tests are the stub of
 `plan --test-stub`, which sleeps in the place of every computation."""
 import csv
+import gzip
 import json
 import os
+import re
 import signal
 import struct
 import subprocess
@@ -286,3 +288,55 @@ def test_a_phantom_is_recovered_as_by_itself(tmp_path, phantom, keep):
         assert json.loads((folder / "case.json").read_text())["mesh"] == mesh.name
         assert numpy.load(folder / "displacement.npy").shape == (result["mesh"]["nodes"], 3)
         assert 0 < len(numpy.load(folder / "force.npy")) < result["mesh"]["nodes"]
+
+
+def test_a_compact_case_is_expanded_to_what_recover_writes(tmp_path, phantom):
+    (tmp_path / "pairs.csv").write_text("participant_id,reference,target\n"
+                                        f"p,{phantom}/reference.nii.gz,{phantom}/target.nii.gz\n")
+    (tmp_path / "cohort.toml").write_text("[recover]\nnodes = 2500\n")
+    cohorts = {keep: tmp_path / keep for keep in ("compact", "all")}
+    for keep, cohort in cohorts.items():
+        planned = run_palpate("cohort", "plan", tmp_path / "pairs.csv", "--out", cohort, "--config", tmp_path / "cohort.toml",
+                              "--settings", phantom / "organs.toml", "--keep", keep, "--quiet")
+        assert planned.returncode == 0, planned.stderr
+        assert run(cohort).returncode == 0
+    finished = run_palpate("cohort", "expand", cohorts["compact"], "p/target-01", "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    made = cohorts["compact"] / "expanded/p/target-01"
+    direct = next(cohorts["all"].glob("cases/*/p/target-01"))
+    assert {f.name for f in made.iterdir()} == {f.name for f in direct.iterdir()} - {"case.json"}
+    results = [json.loads((folder / "result.json").read_text()) for folder in (made, direct)]
+    for result in results:
+        result.pop("timings_s")
+        result["summary"] = [re.sub(r" in [0-9.]+ s", "", sentence) for sentence in result["summary"]]
+    assert_nearly_equal(*results)
+    for name in sorted(f.name for f in direct.glob("*.nii.gz")):
+        one, other = (gzip.decompress((folder / name).read_bytes()) for folder in (made, direct))
+        assert len(one) == len(other)
+        different = numpy.frombuffer(one[352:], "u1") != numpy.frombuffer(other[352:], "u1")
+        assert different.mean() < 1e-3  # the motion is kept in float32
+    kept = sum(f.stat().st_size for f in next(cohorts["compact"].glob("cases/*/p/target-01")).iterdir())
+    assert kept < 0.2e6
+    refused = run_palpate("cohort", "expand", cohorts["all"], "p/target-01", "--quiet")
+    assert refused.returncode == 4 and "compact" in refused.stderr
+    assert run_palpate("cohort", "expand", cohorts["compact"], "p/none", "--quiet").returncode == 2
+    facts = next(cohorts["compact"].glob("cases/*/p/target-01/facts.gz"))
+    facts.write_bytes(facts.read_bytes()[:-9])
+    broken = run_palpate("cohort", "expand", cohorts["compact"], "p/target-01", "--out", tmp_path / "new", "--quiet")
+    assert broken.returncode == 3 and "facts.gz" in broken.stderr and not (tmp_path / "new").exists()
+
+
+def assert_nearly_equal(one, other, place=""):
+    """Numbers to what float32 leaves of the motion."""
+    if isinstance(one, dict):
+        assert one.keys() == other.keys(), place
+        for key in one:
+            assert_nearly_equal(one[key], other[key], f"{place}/{key}")
+    elif isinstance(one, list):
+        assert len(one) == len(other), place
+        for k, pair in enumerate(zip(one, other)):
+            assert_nearly_equal(*pair, f"{place}/{k}")
+    elif isinstance(one, float) or isinstance(other, float):
+        assert one == pytest.approx(other, rel=1e-4, abs=1e-5), place
+    else:
+        assert one == other, place

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "host/cohort/collect.hpp"
+#include "host/cohort/expand.hpp"
 #include "host/cohort/make_plan.hpp"
 #include "host/cohort/patient.hpp"
 #include "host/cohort/run_cohort.hpp"
@@ -188,16 +189,51 @@ void add_collect(CLI::App& app, Run& run) {
     });
 }
 
+struct ExpandArguments {
+    std::string cohort, out;
+    std::vector<std::string> cases;
+    bool quiet = false;
+};
+
+void add_expand(CLI::App& app, Run& run) {
+    auto a = std::make_shared<ExpandArguments>();
+    CLI::App* command =
+        app.add_subcommand("expand", "Make whole result folders of cases kept as compact");
+    command->add_option("cohort", a->cohort, "Its folder")->required()->type_name("FOLDER");
+    command
+        ->add_option("cases", a->cases,
+                     "PATIENT/CASE as their folders are called; default: all with a result")
+        ->type_name("CASE");
+    command
+        ->add_option("--out", a->out, "Gets a folder PATIENT/CASE each; default: COHORT/expanded")
+        ->type_name("FOLDER");
+    command->add_flag("--quiet", a->quiet, "No progress");
+    command->callback([a, &run] {
+        run = [a] {
+            const std::filesystem::path out = a->out.empty()
+                                                  ? std::filesystem::path(a->cohort) / "expanded"
+                                                  : std::filesystem::path(a->out);
+            const std::size_t made =
+                expand_cases(a->cohort, a->cases, out, console_progress(a->quiet));
+            end_progress_line();
+            fmt::print("{} result folders made: {}\n", made, out.string());
+            return 0;
+        };
+    });
+}
+
 }  // namespace
 
 void add_cohort(CLI::App& app, Run& run) {
-    CLI::App* command = app.add_subcommand("cohort", "Many patients: plan, run, status, collect");
+    CLI::App* command =
+        app.add_subcommand("cohort", "Many patients: plan, run, status, collect, expand");
     command->require_subcommand(1);
     add_plan(*command, run);
     add_run(*command, run);
     add_patient(*command, run);
     add_status(*command, run);
     add_collect(*command, run);
+    add_expand(*command, run);
 }
 
 }  // namespace palpate

@@ -309,6 +309,18 @@ std::vector<std::string> warnings_about(const std::vector<SurfaceResult>& surfac
 
 }  // namespace
 
+void add_motion(const Recovered& found, const LabelledState& reference, const TargetState& target,
+                const Settings& settings, RecoveryResult& result) {
+    result.mesh = found.recovery.model.mesh;
+    result.displacement = as_points(found.displacement);
+    result.force = as_points(found.force);
+    result.held = held_nodes(found.recovery);
+    for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {
+        result.surfaces.push_back(surface_result(found, s, target, settings));
+    }
+    add_volumes(found, reference, target, settings, result);
+}
+
 RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,
                                const TargetState& target, const Settings& settings) {
     RecoveryResult result;
@@ -316,11 +328,8 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.settings_toml = to_toml(settings);
     result.version = version_text();
     result.law = found.law;
-    result.mesh = found.recovery.model.mesh;
     result.mesher = found.mesher;
-    result.displacement = as_points(found.displacement);
-    result.force = as_points(found.force);
-    result.held = held_nodes(found.recovery);
+    add_motion(found, reference, target, settings, result);
     for (const Index region : result.mesh.region)
         result.element_stiffness_kpa.push_back(stiffness_kpa(found.recovery.model, region));
     result.regions = region_results(found, settings);
@@ -328,23 +337,20 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.contours = contour_error(found.estimate, target, settings);
     result.correlation = correlation_of(found.estimate.covariance);
     result.sensitivity = sensitivity_of(found.estimate.sensitivity);
-    for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {
-        result.surfaces.push_back(surface_result(found, s, target, settings));
-    }
     result.profiles = found.estimate.profiles;
     result.convergence = found.estimate.records;
     result.alignment = found.alignment;
     result.termination = found.estimate.termination;
     result.device = found.solver.device;
     result.full_model_residual = found.relative_residual;
-    result.warnings = found.warnings;
+    const std::vector<std::string> of_volumes = std::exchange(result.warnings, found.warnings);
     for (auto& warning : warnings_about(result.surfaces))
         result.warnings.push_back(std::move(warning));
     for (auto& warning : warnings_about(result.contours))
         result.warnings.push_back(std::move(warning));
     if (settings.prior.contour_sd_mm && !found.estimate.posterior)
         result.warnings.push_back("contour_sd_mm has no effect on --method nested-lbfgs.");
-    add_volumes(found, reference, target, settings, result);
+    result.warnings.insert(result.warnings.end(), of_volumes.begin(), of_volumes.end());
     return result;
 }
 

@@ -13,4 +13,11 @@ namespace palpate {
 RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,
                                const TargetState& target, const Settings& settings);
 
+/// The part of it that follows from the mesh, its motion and the images: mesh, displacement, forces
+/// and what is held, surfaces and their distances, volumes, and warnings about these. Of `found` it
+/// takes the alignment, the recovery model, the target's shapes, displacement, force and the
+/// resultants' sd.
+void add_motion(const Recovered& found, const LabelledState& reference, const TargetState& target,
+                const Settings& settings, RecoveryResult& result);
+
 }  // namespace palpate

@@ -22,7 +22,8 @@ using FileMark = std::array<char, 8>;  ///< with which a file says what it is
 template <typename T>
 concept PlainValue = std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, Vec3> ||
     std::is_same_v<T, Mat3> || std::is_same_v<T, Triangle> || std::is_same_v<T, Tet> ||
-    std::is_same_v<T, std::array<Index, 2>> || std::is_same_v<T, FileMark>;
+    std::is_same_v<T, std::array<Index, 2>> || std::is_same_v<T, std::array<double, 2>> ||
+    std::is_same_v<T, FileMark>;
 
 /// FNV-1a, 64 bits: any change of a single byte changes it.
 inline std::uint64_t content_hash(std::span<const char> bytes) {
@@ -44,6 +45,11 @@ public:
     void each(std::vector<T>& items, const Visit& visit) {
         put(std::uint64_t{items.size()});
         for (T& item : items) visit(*this, item);
+    }
+    template <typename T, typename Visit>
+    void each(const std::vector<T>& items, const Visit& visit) {
+        put(std::uint64_t{items.size()});
+        for (const T& item : items) visit(*this, item);
     }
     const std::string& bytes() const { return bytes_; }
 

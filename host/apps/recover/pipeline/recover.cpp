@@ -227,6 +227,7 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
         finish_reference(std::move(state), std::move(saved), options, timer, progress);
     save(prepared, options, timer, progress);
     timer.stop();
+    if (tell.prepared) tell.prepared(prepared.mesh);
 
     JointTargets together;
     for (std::size_t at = 0; at < aligned.size(); ++at) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/apps/recover/modelling/body_mesh.hpp"
 #include "host/apps/recover/pipeline/partial_target.hpp"
 #include "host/apps/recover/pipeline/recover_options.hpp"
 #include "host/apps/recover/pipeline/segmentation.hpp"
@@ -30,6 +31,8 @@ struct TargetSinks {
     ResultSink result;
     FailureSink failed = {};  ///< empty: errors of one target go to the caller
     JointSink joint = {};     ///< empty: no joint estimate
+    /// Called when the reference is meshed and condensed, before anything is searched.
+    std::function<void(const BodyMesh& body)> prepared = {};
     /// Called before target k is searched.
     std::function<void(std::size_t k)> started = {};
     /// A target that cannot be made ready or aligned goes to `failed`, too; else to the caller,

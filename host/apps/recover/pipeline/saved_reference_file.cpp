@@ -8,7 +8,7 @@
 #include <fstream>
 #include <utility>
 
-#include "host/apps/recover/pipeline/byte_stream.hpp"
+#include "host/apps/recover/pipeline/stored_parts.hpp"
 #include "host/io/files.hpp"
 
 namespace palpate {
@@ -40,21 +40,6 @@ void visit(Stream& stream, ReferenceFingerprint& made_from) {
 }
 
 template <typename Stream>
-void visit(Stream& stream, BodyMesh& mesh) {
-    stream(mesh.mesh.type, mesh.mesh.nodes, mesh.mesh.elements, mesh.mesh.region);
-    stream(mesh.surface.vertices, mesh.surface.triangles, mesh.surface.regions,
-           mesh.surface.on_image_border);
-}
-
-template <typename Stream>
-void visit(Stream& stream, MesherSummary& mesher) {
-    MeshQuality& quality = mesher.quality;
-    stream(mesher.mesher, mesher.fallback, mesher.seconds);
-    stream(quality.num_nodes, quality.num_tets, quality.num_inverted, quality.min_dihedral_deg,
-           quality.max_dihedral_deg, quality.min_volume_mm3, quality.region_volume_mm3);
-}
-
-template <typename Stream>
 void visit(Stream& stream, ResponseModel::Parts& parts) {
     stream.each(parts.regions, [](auto& inner, ResponseModel::Region& region) {
         inner(region.region, region.stiffness, region.coupling);
@@ -66,13 +51,8 @@ void visit(Stream& stream, ResponseModel::Parts& parts) {
 template <typename Stream>
 void visit(Stream& stream, CondensationSummary& summary) {
     LinearSolverInfo& solver = summary.solver;
-    BackendInfo& device = solver.device;
     stream(summary.columns, summary.seconds, solver.method, solver.library, solver.reason);
-    stream(device.backend, device.platform, device.device, device.version, device.precision,
-           device.product, device.compute_units, device.type);
-    stream.each(device.choices, [](auto& inner, ProductChoice& choice) {
-        inner(choice.columns, choice.product, choice.reason);
-    });
+    visit(stream, solver.device);
 }
 
 template <typename Stream>
