@@ -15,6 +15,12 @@ from tests.cli.test_cohort import children_of, journal_cases, plan, rows_of, run
 from tests.conftest import PROGRAM, run_palpate  # noqa: E402
 
 
+@pytest.fixture(autouse=True)
+def patient_limits(monkeypatch):
+    """A busy machine is no hang."""
+    monkeypatch.setattr("tests.cli.test_cohort.LIMITS", "[limits]\ntarget_seconds = 60\nattempts = 3\n")
+
+
 class Cluster:
     """A scheduler and workers of one slot each, without the nanny that would start them again."""
 
