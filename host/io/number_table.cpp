@@ -19,8 +19,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t most_rows = 100000;
-constexpr std::uintmax_t largest_table_bytes = 16 << 20;
+constexpr std::uintmax_t bytes_per_row = 160;
 
 [[noreturn]] void refuse_line(const std::string& file, std::size_t line, const std::string& why) {
     throw Error(ErrorCode::input_unreadable, fmt::format("{}, line {}: {}", file, line, why));
@@ -51,7 +50,8 @@ void read_header(NumberTable& table, const DelimitedText& read) {
                     "the first line holds numbers; put names of columns there");
 }
 
-void read_row(NumberTable& table, const std::vector<std::string>& cells, std::size_t line) {
+void read_row(NumberTable& table, const std::vector<std::string>& cells, std::size_t line,
+              std::size_t most_rows) {
     if (table.rows.size() == most_rows)
         refuse_line(table.source, line, fmt::format("a table may have {} rows", most_rows));
     std::vector<double> values;
@@ -89,7 +89,8 @@ void NumberTable::refuse_row(std::size_t row, const std::string& why) const {
     refuse_line(source, lines[row], why);
 }
 
-NumberTable parse_number_table(std::string_view text, const std::string& source_name) {
+NumberTable parse_number_table(std::string_view text, const std::string& source_name,
+                               std::size_t most_rows) {
     NumberTable table;
     table.source = source_name;
     const DelimitedText read = parse_delimited(text, {',', true});
@@ -101,7 +102,7 @@ NumberTable parse_number_table(std::string_view text, const std::string& source_
     };
     for (std::size_t k = 0; k < read.rows.size(); ++k) {
         refuse_before(read.lines[k]);
-        read_row(table, read.rows[k], read.lines[k]);
+        read_row(table, read.rows[k], read.lines[k], most_rows);
     }
     refuse_before(std::numeric_limits<std::size_t>::max());
     if (table.rows.empty())
@@ -110,18 +111,19 @@ NumberTable parse_number_table(std::string_view text, const std::string& source_
     return table;
 }
 
-NumberTable read_number_table(const std::filesystem::path& path) {
+NumberTable read_number_table(const std::filesystem::path& path, std::size_t most_rows) {
     const auto refuse = [&](const std::string& why) {
         throw Error(ErrorCode::input_unreadable,
                     fmt::format("cannot read the table '{}': {}", path.string(), why));
     };
     if (const auto why = why_unreadable(path)) refuse(*why + "; check the path");
     std::error_code failed;
-    if (std::filesystem::file_size(path, failed) > largest_table_bytes)
-        refuse("it is larger than 16 MiB; give fewer rows");
+    const std::uintmax_t most_bytes = bytes_per_row * most_rows;
+    if (std::filesystem::file_size(path, failed) > most_bytes)
+        refuse(fmt::format("it is larger than {} MiB; give fewer rows", most_bytes >> 20));
     std::ifstream in(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    return parse_number_table(text, path.filename().string());
+    return parse_number_table(text, path.filename().string(), most_rows);
 }
 
 }  // namespace palpate

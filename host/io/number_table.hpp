@@ -28,9 +28,10 @@ struct NumberTable {
 
 /// A header and rows of finite numbers with a decimal point; lines that are empty or begin with #
 /// are left out. Throws Error(input_unreadable) "file, line n: what is wrong".
-NumberTable parse_number_table(std::string_view text, const std::string& source_name);
+NumberTable parse_number_table(std::string_view text, const std::string& source_name,
+                               std::size_t most_rows = 100000);
 
-/// The same from a file of at most 16 MiB and 100,000 rows.
-NumberTable read_number_table(const std::filesystem::path& path);
+/// The same from a file of at most 160 bytes a row.
+NumberTable read_number_table(const std::filesystem::path& path, std::size_t most_rows = 100000);
 
 }  // namespace palpate

@@ -49,7 +49,7 @@ std::string lines_of(const Outline& outline, bool is_sure, const char* colour, d
 }
 
 /// Pixels are drawn as they are on the tissue: a row is `stretch` of a column high.
-std::string picture(const FilmStrip::Shown& shown, double rate_hz, double stretch) {
+std::string picture(const FilmStrip::Shown& shown, double time_s, double stretch) {
     std::vector<std::uint8_t> grey;
     for (const float value : shown.frame.grey)
         grey.push_back(std::uint8_t(std::clamp(std::lround(value), 0L, 255L)));
@@ -62,7 +62,7 @@ std::string picture(const FilmStrip::Shown& shown, double rate_hz, double stretc
         "<figcaption>{6:.2f} s, frame {7}</figcaption></figure>",
         width, drawn, shown.number + 1, to_base64(png_of(width, height, grey)),
         lines_of(shown.outline, true, sure_colour, stretch),
-        lines_of(shown.outline, false, guess_colour, stretch), shown.number / rate_hz,
+        lines_of(shown.outline, false, guess_colour, stretch), time_s,
         shown.number + 1);
 }
 
@@ -81,11 +81,12 @@ void FilmStrip::add(const GreyFrame& frame, const Outline& outline) {
 
 std::string contours_page(const FilmStrip& strip, const std::string& headline,
                           const std::string& figures, const std::vector<double>& seconds,
-                          const std::vector<double>& apex_mm, double rate_hz,
+                          const std::vector<double>& apex_mm,
+                          const std::function<double(Index)>& time_s,
                           double rows_per_column) {
     std::string pictures;
     for (const FilmStrip::Shown& shown : strip.shown())
-        pictures += picture(shown, rate_hz, rows_per_column);
+        pictures += picture(shown, time_s(shown.number), rows_per_column);
     std::string curve;
     if (!seconds.empty()) {
         const auto [low, high] = std::minmax_element(apex_mm.begin(), apex_mm.end());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,8 @@ private:
 ///   headline   HTML; `seconds` and `apex_mm` [frames that were seen]
 std::string contours_page(const FilmStrip& strip, const std::string& headline,
                           const std::string& figures, const std::vector<double>& seconds,
-                          const std::vector<double>& apex_mm, double rate_hz,
+                          const std::vector<double>& apex_mm,
+                          const std::function<double(Index)>& time_s,
                           double rows_per_column);
 
 }  // namespace palpate

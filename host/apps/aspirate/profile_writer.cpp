@@ -9,6 +9,8 @@
 #include <iterator>
 #include <utility>
 
+#include "host/apps/aspirate/profile_series.hpp"
+
 namespace palpate {
 namespace {
 
@@ -81,22 +83,13 @@ void ProfileWriter::finish() {
     if (!axis_) settle_axis();
 }
 
-// r = (x - x_axis) pixel_r,  z = (y_base - y) pixel_z
 void ProfileWriter::write_rows(const Outline& outline) {
-    const double time_s = number_++ / instrument_.rate_hz;
-    const double radius = 0.5 * instrument_.hole_diameter_mm, rim = instrument_.rim_thickness_mm;
+    const FrameProfile profile =
+        profile_of(outline, instrument_.time_s(number_++), axis_->column, instrument_);
     text_.clear();
-    for (std::size_t x = 0; x < outline.size(); ++x) {
-        const OutlinePoint& point = outline[x];
-        const double r_mm = (double(x) - axis_->column) * instrument_.pixel_r_um / 1000;
-        if (std::abs(r_mm) > radius) continue;
-        const bool is_hidden = point.flag == PointFlag::hidden;
-        const double mm = instrument_.pixel_z_um / 1000;
-        const double z_mm = is_hidden ? rim / 2 : (instrument_.base_row_px - point.row) * mm;
-        const double sd_mm = is_hidden ? rim / std::sqrt(12.0) : point.sd * mm;
-        fmt::format_to(std::back_inserter(text_), "{:.4f},{:.4f},{:.5f},{:.5f},{}\n", time_s, r_mm,
-                       z_mm, sd_mm, int(point.flag));
-    }
+    for (const ProfilePoint& point : profile.points)
+        fmt::format_to(std::back_inserter(text_), "{:.4f},{:.4f},{:.5f},{:.5f},{}\n",
+                       profile.time_s, point.r_mm, point.z_mm, point.sd_mm, int(point.flag));
     write_(text_);
 }
 

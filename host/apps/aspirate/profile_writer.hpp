@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/apps/aspirate/contours_settings.hpp"
+#include "host/apps/aspirate/model/aspiration_settings.hpp"
 
 namespace palpate {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "host/apps/identify/data_kinds.hpp"
@@ -19,6 +20,10 @@ namespace {
 /// axisymmetric model x of the deformed place is r, y is z. Lengths that an instrument tells with
 /// errors of scale, later than the loads:
 ///   z_measured(r, t) = z_scale z(r / r_scale, t - delay).
+/// Where the model's surface at rest was itself measured with them (rest = "measured"), only the
+/// change is scaled:
+///   z_measured(r, t) = z(r, 0) + z_scale (z(r / r_scale, t - delay) - z(r / r_scale, 0)).
+/// About an axis a place left of it, r < 0, is that at -r.
 class ProfileData final : public MeasuredData {
 public:
     explicit ProfileData(const DataSource& source)
@@ -28,6 +33,7 @@ public:
           r_scale_(source.table.number("r_scale", positive).value_or(1)),
           z_scale_(source.table.number("z_scale", positive).value_or(1)),
           delay_s_(source.table.number("delay_s", any_number).value_or(0)) {
+        rest_is_measured_ = source.table.choice("rest", {"modelled", "measured"}) == "measured";
         const auto where = source.table.table("where");
         if (!where) source.table.missing("where", "where = {side = \"y-max\"}, for example");
         surface_ = read_selection(*where);
@@ -42,15 +48,23 @@ public:
         const SimulationResult& simulation = *state.simulation;
         const std::vector<Index> nodes = surface_nodes(simulation);
         std::vector<std::optional<SmoothCurve>> curves(simulation.states.size());
+        const bool is_about_axis =
+            simulation.mesh().formulation == Formulation::axisymmetric;
         Eigen::VectorXd rows(block_.num_row());
         for (std::size_t row = 0; row < r_mm_.size(); ++row) {
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);
+            const double r = is_about_axis ? std::abs(r_mm_[row]) : r_mm_[row];
             const auto z_at = [&](std::size_t k) {
                 if (!curves[k]) curves[k] = curve_of(simulation, nodes, k);
-                return z_scale_ * curves[k]->at(r_mm_[row] / r_scale_);
+                return z_scale_ * curves[k]->at(r / r_scale_);
             };
             const double first = z_at(before);
-            rows[Eigen::Index(row)] = first + (after == before ? 0 : share * (z_at(after) - first));
+            double z = first + (after == before ? 0 : share * (z_at(after) - first));
+            if (rest_is_measured_) {
+                const double scaled = z_at(0);
+                z += curves[0]->at(r) - scaled;
+            }
+            rows[Eigen::Index(row)] = z;
         }
         return rows;
     }
@@ -91,6 +105,7 @@ private:
     MeasuredTimes times_;
     std::vector<double> r_mm_;
     double r_scale_ = 1, z_scale_ = 1, delay_s_ = 0;
+    bool rest_is_measured_ = false;
     Selection surface_;
 };
 
@@ -99,7 +114,7 @@ private:
 DataKind profile_kind() {
     return {"profile",
             "Height of a surface of a plane or axisymmetric body: columns time_s, r_mm, z_mm",
-            {"where", "sd_mm", "r_scale", "z_scale", "delay_s"},
+            {"where", "sd_mm", "r_scale", "z_scale", "delay_s", "rest"},
             [](const DataSource& source) {
                 return std::unique_ptr<MeasuredData>(new ProfileData(source));
             }};

@@ -1,0 +1,258 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/fit_input.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double bin_mm = 0.5;
+constexpr double apex_half_mm = 0.75;       // of the axis: what the highest part is
+constexpr double above_rim_mm = 0.12;  // points nearer to the line of visibility are left out
+constexpr Index least_in_bin = 4, least_frames = 8;
+constexpr double most_side_difference_mm = 0.3, least_travel_mm = 0.05;
+constexpr double begin_tolerance_s = 1e-6, rest_part = 0.03;
+constexpr double long_gap = 5;                  // times the usual distance
+constexpr double first_mm = 0.25, first_part = 0.3;
+// e^(gamma x) is how much stiffer tissue is at the peak, x = 1.3 (travel / hole radius)^2
+constexpr double stretch_factor = 1.3;
+
+[[noreturn]] void refuse(const std::string& why) {
+    throw Error(ErrorCode::input_unusable, why);
+}
+
+/// The weighted straight line through the points of a bin, at its middle.
+std::optional<ThinPoint> mean_near(const FrameProfile& frame, double r_mm, double half_mm,
+                                   double lowest_mm) {
+    double s0 = 0, s1 = 0, s2 = 0, v0 = 0, v1 = 0, variances = 0;
+    Index count = 0, all = 0;
+    for (const ProfilePoint& point : frame.points) {
+        const double x = point.r_mm - r_mm;
+        if (std::abs(x) > half_mm) continue;
+        ++all;
+        if (point.flag != PointFlag::ok || point.z_mm < lowest_mm) continue;
+        const double w = 1 / (point.sd_mm * point.sd_mm);
+        s0 += w;
+        s1 += w * x;
+        s2 += w * x * x;
+        v0 += w * point.z_mm;
+        v1 += w * x * point.z_mm;
+        variances += w * point.sd_mm * point.sd_mm;
+        ++count;
+    }
+    if (count < least_in_bin || 2 * count < all) return std::nullopt;
+    const double det = s0 * s2 - s1 * s1;
+    if (!(det > 1e-9 * s0 * s2)) return std::nullopt;
+    // errors of neighbours go together: the mean's sd is that of a point
+    return ThinPoint{0, r_mm, (s2 * v0 - s1 * v1) / det, std::sqrt(variances / s0)};
+}
+
+std::vector<FrameProfile> frames_at_rest(const ProfileSeries& profiles, const Suction& suction,
+                                         double begin_s, double delay_s) {
+    std::vector<FrameProfile> rest;
+    for (const FrameProfile& frame : profiles)
+        if (frame.time_s - delay_s <= begin_s + begin_tolerance_s) rest.push_back(frame);
+    if (!rest.empty()) return rest;
+    for (const FrameProfile& frame : profiles)
+        if (suction.at(frame.time_s - delay_s) < rest_part * suction.peak_kpa() &&
+            frame.time_s == profiles.front().time_s)
+            return {frame};
+    refuse(
+        "no frame shows the tissue before suction begins; begin to film earlier, or correct the "
+        "times of the suction");
+}
+
+void warn_of_gaps(const std::vector<double>& times, const std::string& what,
+                  std::vector<std::string>& warnings) {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < times.size(); ++k) steps.push_back(times[k] - times[k - 1]);
+    if (steps.size() < 4) return;
+    std::vector<double> sorted = steps;
+    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2),
+                     sorted.end());
+    const double usual = sorted[sorted.size() / 2];
+    const auto worst = std::max_element(steps.begin(), steps.end());
+    if (*worst > long_gap * usual)
+        warnings.push_back(fmt::format("{} have a gap of {:.2g} s at {:.4g} s", what, *worst,
+                                       times[std::size_t(worst - steps.begin())]));
+}
+
+/// The frames nearest to the times of the steps, each once.
+std::vector<const FrameProfile*> chosen_frames(const ProfileSeries& profiles,
+                                               const SuctionSteps& steps, double begin_s,
+                                               double delay_s) {
+    std::vector<const FrameProfile*> chosen;
+    for (const double step_s : steps.time_s) {
+        const double wanted = begin_s + step_s + delay_s;
+        const auto after = std::lower_bound(
+            profiles.begin(), profiles.end(), wanted,
+            [](const FrameProfile& frame, double time_s) { return frame.time_s < time_s; });
+        auto nearest = after == profiles.end() ? std::prev(after) : after;
+        if (after != profiles.begin() && after != profiles.end() &&
+            wanted - std::prev(after)->time_s < after->time_s - wanted)
+            nearest = std::prev(after);
+        if (nearest->time_s <= begin_s + delay_s + begin_tolerance_s) continue;
+        if (chosen.empty() || chosen.back()->time_s < nearest->time_s) chosen.push_back(&*nearest);
+    }
+    return chosen;
+}
+
+ApexTravel travel_of(const ProfileSeries& profiles, const Suction& suction,
+                     const RestSurface& rest, const AspirationSettings& settings, double begin_s) {
+    ApexTravel apex;
+    for (const FrameProfile& frame : profiles) {
+        const auto mean = mean_near(frame, 0, apex_half_mm, settings.instrument.rim_thickness_mm);
+        if (!mean) continue;
+        apex.time_s.push_back(frame.time_s - begin_s);
+        apex.travel_mm.push_back(mean->z_mm - rest.z_mm.front());
+        apex.suction_kpa.push_back(suction.at(frame.time_s - settings.delay_s.value));
+    }
+    return apex;
+}
+
+TissueStart start_of(const ApexTravel& apex, double hole_radius_mm) {
+    const auto highest = std::max_element(apex.travel_mm.begin(), apex.travel_mm.end());
+    const double most_mm = *highest;
+    const auto peak = std::size_t(highest - apex.travel_mm.begin());
+    const double first = std::min(first_mm, first_part * most_mm);
+    // suction over travel of the first quarter millimetre, a line through the origin
+    double products = 0, squares = 0;
+    for (std::size_t k = 0; k <= peak; ++k) {
+        if (apex.travel_mm[k] > first && squares > 0) break;
+        products += apex.travel_mm[k] * apex.suction_kpa[k];
+        squares += apex.travel_mm[k] * apex.travel_mm[k];
+    }
+    TissueStart start;
+    start.peak_stiffness_kpa =
+        theret_stiffness(std::max(apex.suction_kpa[peak], 1e-3), hole_radius_mm, most_mm);
+    const double first_kpa =
+        squares > 0 && products > 0 ? theret_stiffness(products / squares, hole_radius_mm, 1)
+                                    : start.peak_stiffness_kpa;
+    const double strain = stretch_factor * std::pow(most_mm / hole_radius_mm, 2);
+    start.gamma = std::clamp(std::log(start.peak_stiffness_kpa / first_kpa) / strain, 1.0, 25.0);
+    start.mu_kpa = 1.5 * std::min(first_kpa, start.peak_stiffness_kpa) / 6;
+    return start;
+}
+
+double asymmetry_of(const std::vector<ThinPoint>& points) {
+    double squares = 0, count = 0;
+    for (const ThinPoint& left : points) {
+        if (left.r_mm >= 0) continue;
+        for (const ThinPoint& right : points)
+            if (right.time_s == left.time_s && std::abs(right.r_mm + left.r_mm) < 1e-9) {
+                squares += std::pow(0.5 * (right.z_mm - left.z_mm), 2);
+                ++count;
+            }
+    }
+    return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+void take_points(const ProfileSeries& profiles, const AspirationSettings& settings,
+                 AspirationFitInput& input) {
+    const double lowest_mm = settings.instrument.rim_thickness_mm + above_rim_mm;
+    const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
+    const auto frames =
+        chosen_frames(profiles, input.steps, input.begin_s, settings.delay_s.value);
+    const int bins = int(radius_mm / bin_mm);
+    for (const FrameProfile* frame : frames) {
+        bool is_used = false;
+        for (int k = -bins; k <= bins; ++k) {
+            auto mean = mean_near(*frame, k * bin_mm, 0.5 * bin_mm, lowest_mm);
+            if (!mean) continue;
+            mean->time_s = frame->time_s - input.begin_s;
+            input.points.push_back(*mean);
+            is_used = true;
+        }
+        input.num_used_frames += is_used;
+    }
+    if (input.num_used_frames < least_frames)
+        refuse(fmt::format("only {} of {} frames show tissue above the line of visibility while it "
+                           "is sucked; at least {} are needed",
+                           input.num_used_frames, frames.size(), least_frames));
+    input.asymmetry_mm = asymmetry_of(input.points);
+    if (input.asymmetry_mm > most_side_difference_mm)
+        refuse(fmt::format("the tissue's sides differ by {:.2f} mm about the axis; allowed: {:g}; "
+                           "put the tube on straight, or correct the axis",
+                           input.asymmetry_mm, most_side_difference_mm));
+}
+
+void warn_of_rest(const FoundRest& rest, std::vector<std::string>& warnings) {
+    if (!rest.is_seen)
+        warnings.push_back(
+            "before suction no tissue is seen above the line of visibility: it is taken as level "
+            "with the rim");
+    else if (rest.left_rms_mm > 0.05)
+        warnings.push_back(fmt::format("the surface before suction is not smooth: {:.3f} mm are "
+                                       "left of a smooth one",
+                                       rest.left_rms_mm));
+}
+
+}  // namespace
+
+std::string AspirationFitInput::points_csv() const {
+    std::string text = "time_s,r_mm,z_mm,sd_mm\n";
+    for (const ThinPoint& point : points)
+        fmt::format_to(std::back_inserter(text), "{:.5f},{:.4f},{:.6f},{:.6f}\n", point.time_s,
+                       point.r_mm, point.z_mm, point.sd_mm);
+    return text;
+}
+
+AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& suction,
+                                  const AspirationSettings& settings) {
+    AspirationFitInput input;
+    input.begin_s = suction.begin_s();
+    input.num_frames = Index(profiles.size());
+    const double delay_s = settings.delay_s.value;
+    ProfileSeries within;
+    std::vector<double> times;
+    double points = 0, flagged = 0;
+    for (const FrameProfile& frame : profiles) {
+        if (frame.time_s - delay_s > suction.end_s() + begin_tolerance_s) continue;
+        within.push_back(frame);
+        times.push_back(frame.time_s);
+        for (const ProfilePoint& point : frame.points) {
+            if (point.flag == PointFlag::hidden) continue;
+            ++points;
+            flagged += point.flag != PointFlag::ok;
+        }
+    }
+    input.flagged_percent = 100 * flagged / std::max(1.0, points);
+    if (within.empty() || within.back().time_s - delay_s <= input.begin_s)
+        refuse(fmt::format("suction and film do not overlap: it sucks from {:g} to {:g} s, frames "
+                           "are from {:g} to {:g} s",
+                           input.begin_s, suction.end_s(),
+                           profiles.empty() ? 0 : profiles.front().time_s,
+                           profiles.empty() ? 0 : profiles.back().time_s));
+    if (within.size() < profiles.size())
+        input.warnings.push_back(fmt::format("{} frames are from after the last reading of suction "
+                                             "and are left out",
+                                             profiles.size() - within.size()));
+    warn_of_gaps(times, "frames", input.warnings);
+    warn_of_gaps(suction.time_s, "readings of suction", input.warnings);
+    const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
+    input.rest = find_rest(frames_at_rest(within, suction, input.begin_s, delay_s),
+                           settings.instrument.rim_thickness_mm + above_rim_mm, radius_mm,
+                           settings.edge_radius_mm.value);
+    warn_of_rest(input.rest, input.warnings);
+    input.steps = suction_steps(suction, within.back().time_s - delay_s, settings.steps);
+    take_points(within, settings, input);
+    input.apex = travel_of(within, suction, input.rest.surface, settings, input.begin_s);
+    if (input.apex.travel_mm.empty() ||
+        *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end()) <
+            least_travel_mm)
+        refuse(fmt::format("the tissue does not move by {:g} mm under the suction; check that "
+                           "times of film and suction belong together",
+                           least_travel_mm));
+    input.start = start_of(input.apex, radius_mm);
+    return input;
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/apps/aspirate/profile_series.hpp"
+#include "host/apps/aspirate/rest_surface.hpp"
+
+namespace palpate {
+
+/// A point of the profiles that are fitted: the mean over half a millimetre of one frame.
+struct ThinPoint {
+    double time_s = 0;  ///< from the begin of suction, as the frames tell it
+    double r_mm = 0, z_mm = 0, sd_mm = 0;
+};
+
+/// How far the highest part of the tissue has come over time.
+struct ApexTravel {
+    std::vector<double> time_s, travel_mm, suction_kpa;
+};
+
+/// Where a search begins, on the stiff side.
+struct TissueStart {
+    double mu_kpa = 1, gamma = 5;
+    double peak_stiffness_kpa = 10;  ///< Young's modulus that the travel at the peak tells
+};
+
+/// What is fitted, from profiles and suction.
+struct AspirationFitInput {
+    FoundRest rest;
+    SuctionSteps steps;
+    double begin_s = 0;  ///< of suction, in the time of the readings
+    std::vector<ThinPoint> points;
+    ApexTravel apex;  ///< of all frames
+    TissueStart start;
+    Index num_frames = 0, num_used_frames = 0;
+    double asymmetry_mm = 0, flagged_percent = 0;
+    std::vector<std::string> warnings;
+
+    std::string points_csv() const;
+};
+
+/// Chooses frames near the times at which the body will be solved, and takes means. Throws
+/// Error(input_unusable) where suction and film do not overlap, no frame is from before the
+/// suction, nothing moves or is seen, or sides differ by more than 0.3 mm.
+AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& suction,
+                                  const AspirationSettings& settings);
+
+}  // namespace palpate

@@ -1,0 +1,236 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/fit_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/page/legend.hpp"
+#include "host/page/markup.hpp"
+#include "host/page/page.hpp"
+#include "host/page/plain_text.hpp"
+#include "host/page/plot.hpp"
+#include "host/page/tree_html.hpp"
+#include "host/page/tree_table.hpp"
+#include "host/system/version.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double width = 560, height = 300, near_axis_mm = 0.3;
+
+std::string figure_html(const std::string& picture, const std::string& caption) {
+    return "<figure>" + picture + "<figcaption>" + escape_html(caption) + "</figcaption></figure>";
+}
+
+PlotAxis axis_of(std::vector<double> values, const std::string& label) {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    const double room = *high > *low ? 0.05 * (*high - *low) : 1;
+    return {*low - room, *high + room, false, label};
+}
+
+/// Times and heights of the rows nearest to the axis, of what was measured and what is predicted.
+struct ApexRows {
+    std::vector<double> time_s, measured, predicted, suction_kpa;
+};
+
+ApexRows apex_rows(const AspirationFit& fit) {
+    const DataBlock& block = fit.best().found->fit.prediction->blocks.front();
+    ApexRows rows;
+    for (Index row = 0; row < block.num_row(); ++row) {
+        if (std::abs(block.position_mm(row, 0)) > near_axis_mm) continue;
+        rows.time_s.push_back(block.time_s[row]);
+        rows.measured.push_back(block.measured[row]);
+        rows.predicted.push_back(block.predicted[row]);
+        rows.suction_kpa.push_back(
+            fit.suction.at(block.time_s[row] + fit.input.begin_s - fit.settings.delay_s.value));
+    }
+    return rows;
+}
+
+std::string history_picture(const AspirationFit& fit) {
+    const ApexRows rows = apex_rows(fit);
+    if (rows.time_s.empty()) return "";
+    std::vector<double> heights = rows.measured;
+    heights.insert(heights.end(), rows.predicted.begin(), rows.predicted.end());
+    Plot over_time("apex", width, height, axis_of(rows.time_s, "time from the begin of suction, s"),
+                   axis_of(heights, "height on the axis, mm"));
+    over_time.points(rows.time_s, rows.measured, list_colour(0), true);
+    over_time.curve(rows.time_s, rows.predicted, list_colour(1), false);
+    Plot loop("loop", width, height, axis_of(rows.suction_kpa, "suction, kPa"),
+              axis_of(heights, "height on the axis, mm"));
+    loop.points(rows.suction_kpa, rows.measured, list_colour(0), true);
+    loop.curve(rows.suction_kpa, rows.predicted, list_colour(1), false);
+    const std::string legend =
+        legend_html({{"measured", list_colour(0), true}, {"model", list_colour(1)}});
+    std::vector<double> seconds;
+    for (const double time_s : fit.suction.time_s) seconds.push_back(time_s - fit.input.begin_s);
+    Plot suction("suction", width, 200, axis_of(seconds, "time from the begin of suction, s"),
+                 axis_of(fit.suction.kpa, "suction, kPa"));
+    suction.curve(seconds, fit.suction.kpa, "var(--accent)", false);
+    return "<div class='figures'>" +
+           figure_html(legend + over_time.svg("Height on the axis over time"),
+                       "How high the tissue stands on the axis.") +
+           figure_html(legend + loop.svg("Height on the axis over suction"),
+                       "The same over the suction: a loop, because the tissue relaxes.") +
+           figure_html(suction.svg("Suction over time"), "The suction that was read.") + "</div>";
+}
+
+/// Blue below, red above, white for none.
+std::string colour_of(double part) {
+    const double size = std::min(1.0, std::abs(part));
+    const int pale = int(std::lround(255 - 185 * size));
+    return part < 0 ? fmt::format("rgb({0},{0},255)", pale) : fmt::format("rgb(255,{0},{0})", pale);
+}
+
+std::string residual_picture(const AspirationFit& fit) {
+    const DataBlock& block = fit.best().found->fit.prediction->blocks.front();
+    const Eigen::VectorXd residual = block.measured - block.predicted;
+    const double most = std::max(1e-6, residual.cwiseAbs().maxCoeff());
+    std::map<double, std::size_t> place;
+    for (Index row = 0; row < block.num_row(); ++row) place.emplace(block.time_s[row], 0);
+    std::size_t at = 0;
+    for (auto& [time_s, column] : place) column = at++;
+    const double left = 50, wide = (width - left - 10) / double(place.size());
+    const double radius = block.position_mm.col(0).cwiseAbs().maxCoeff() + 0.25;
+    const auto y_of = [&](double r_mm) { return 10 + 220 * (radius - r_mm) / (2 * radius); };
+    std::string cells;
+    for (Index row = 0; row < block.num_row(); ++row)
+        cells += fmt::format(
+            "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'><title>{:.2f} s, "
+            "{:.1f} mm: {:+.4f} mm</title></rect>",
+            left + wide * double(place[block.time_s[row]]),
+            y_of(block.position_mm(row, 0) + 0.25), wide + 0.3, 220 * 0.5 / (2 * radius) + 0.3,
+            colour_of(residual[row] / most), block.time_s[row], block.position_mm(row, 0),
+            residual[row]);
+    std::string labels;
+    for (const double r_mm : tick_values({-radius, radius, false, ""}))
+        labels += fmt::format("<text x='{:.0f}' y='{:.1f}' text-anchor='end' class='label'>{:g}"
+                              "</text>",
+                              left - 6, y_of(r_mm) + 4, r_mm);
+    for (const auto& [time_s, column] : place)
+        if (column % std::max<std::size_t>(1, place.size() / 6) == 0)
+            labels += fmt::format("<text x='{:.1f}' y='248' text-anchor='middle' class='label'>"
+                                  "{:.1f}</text>",
+                                  left + wide * (double(column) + 0.5), time_s);
+    labels += fmt::format("<text x='{:.0f}' y='266' text-anchor='middle' class='label'>time, s "
+                          "(frames that are fitted)</text><text x='12' y='120' "
+                          "transform='rotate(-90 12 120)' text-anchor='middle' class='label'>r, mm"
+                          "</text>",
+                          0.5 * (left + width));
+    return figure_html(
+        fmt::format("<svg class='map' viewBox='0 0 {:.0f} 272' role='img' aria-label='Residuals "
+                    "over time and place'>{}{}</svg>",
+                    width, cells, labels),
+        fmt::format("Measured less model: blue, the tissue stands lower than the model says; red, "
+                    "higher. Full colour is {:.3f} mm. What is patterned here is what the model "
+                    "does not explain.",
+                    most));
+}
+
+std::string unknowns_sentence(const AspirationFit& fit) {
+    std::string text;
+    for (const IdentifiedParameter& one : fit.best().found->identified.parameters)
+        if (!one.parameter.is_nuisance)
+            text += fmt::format("{}{} {:.3g} {}", text.empty() ? "" : ", ", one.parameter.name,
+                                one.value, one.parameter.unit);
+    return text;
+}
+
+}  // namespace
+
+const TriedModel& AspirationFit::best() const {
+    return *std::max_element(models.begin(), models.end(), [](const auto& a, const auto& b) {
+        return a.found->identified.log_evidence < b.found->identified.log_evidence;
+    });
+}
+
+ResultTree fit_tree(const AspirationFit& fit) {
+    ResultTree tree = identified_tree(*fit.best().found);
+    tree.name = "aspiration";
+    ResultTree seen{.name = "film", .title = "What was looked at"};
+    seen.add(Figure{.name = "model", .value = fit.best().name, .title = "Model"});
+    seen.add(Figure{.name = "frames", .value = std::int64_t(fit.input.num_frames), .title = "Frames"});
+    seen.add(Figure{.name = "used_frames",
+                    .value = std::int64_t(fit.input.num_used_frames),
+                    .title = "Frames that are fitted"});
+    seen.add(Figure{.name = "flagged_percent",
+                    .value = fit.input.flagged_percent,
+                    .unit = "%",
+                    .title = "Points that are flagged",
+                    .decimals = 1});
+    seen.add(Figure{.name = "asymmetry_mm",
+                    .value = fit.input.asymmetry_mm,
+                    .unit = "mm",
+                    .title = "Asymmetry",
+                    .decimals = 3});
+    seen.add(Figure{.name = "travel_mm",
+                    .value = *std::max_element(fit.input.apex.travel_mm.begin(),
+                                               fit.input.apex.travel_mm.end()),
+                    .unit = "mm",
+                    .title = "Travel on the axis",
+                    .decimals = 2});
+    seen.add(Figure{.name = "peak_suction_kpa",
+                    .value = fit.suction.peak_kpa(),
+                    .unit = "kPa",
+                    .title = "Largest suction"});
+    seen.add("warnings", fit.input.warnings);
+    tree.add(std::move(seen));
+    ResultTree models{.name = "models",
+                      .title = fit.models.size() > 1 ? "Laws that were tried" : "",
+                      .shape = ResultTree::Shape::list};
+    double total = 0;
+    const double best = fit.best().found->identified.log_evidence;
+    for (const TriedModel& one : fit.models)
+        total += std::exp(one.found->identified.log_evidence - best);
+    for (const TriedModel& one : fit.models) {
+        ResultTree part{.name = one.name};
+        const double evidence = one.found->identified.log_evidence;
+        part.add(Figure{.name = "name", .value = one.name, .title = "Model"});
+        part.add(Figure{.name = "log_evidence", .value = evidence, .title = "ln evidence"});
+        part.add(Figure{.name = "weight", .value = std::exp(evidence - best) / total, .title = "Weight"});
+        part.add(Figure{.name = "rms_mm",
+                        .value = one.found->identified.blocks.front().rms,
+                        .unit = "mm",
+                        .title = "Left unexplained (rms)"});
+        part.add(Figure{.name = "converged", .value = one.found->converged(), .title = "Converged"});
+        models.add(std::move(part));
+    }
+    tree.add(std::move(models));
+    return tree;
+}
+
+std::string fit_text(const AspirationFit& fit) {
+    std::string text = harmless(fit.best().name) + "\n" + identified_text(*fit.best().found);
+    for (const std::string& warning : fit.input.warnings)
+        text += "Warning: " + harmless(warning) + ".\n";
+    return text;
+}
+
+std::string fit_page(const AspirationFit& fit, const ResultTree& tree) {
+    std::string notices;
+    for (const std::string& warning : fit.input.warnings)
+        notices += "<p class='notice'>" + escape_html(warning) + ".</p>";
+    std::string profiles;
+    for (const Picture& picture : identified_pictures(*fit.best().found))
+        profiles += figure_html(picture.html, picture.caption);
+    return page_html(
+        {.kind = "palpate aspirate fit",
+         .version = version_text(),
+         .headline = escape_html(unknowns_sentence(fit)),
+         .lead = "<p class='summary'>Tissue that was sucked into a tube: " +
+                 escape_html(fit.best().name) + ".</p>",
+         .notices = notices,
+         .main = tree_sections_html(tree) +
+                 section_html("history", "Over the cycle", history_picture(fit)) +
+                 section_html("profiles", "Profiles",
+                              "<div class='figures'>" + profiles + residual_picture(fit) + "</div>"),
+         .footer = "All figures: <code>result.json</code>; the model with these values: "
+                   "<code>identified.toml</code>, which <code>palpate simulate</code> runs.",
+         .style = ".map{width:100%}.map .label{font-size:11px;fill:currentColor}"});
+}
+
+}  // namespace palpate

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/model/aspiration_model.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+namespace {
+
+constexpr double sample_mm = 0.25, cap_power = 1.25, wall_factor = 2.05;
+
+std::string list_of(const std::vector<double>& values) {
+    std::string text;
+    for (const double value : values) text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value);
+    return "[" + text + "]";
+}
+
+std::string tissue_text(const AspirationBody& body) {
+    std::string text = fmt::format("[[material]]\nlaw = \"{}\"\n", body.tissue.law);
+    for (const auto& [name, value] : body.tissue.parameters)
+        text += fmt::format("{} = {}\n", name, value);
+    // the volumetric part of reduced-polynomial is (J - 1)^2 / d1
+    text += body.tissue.law == "reduced-polynomial"
+                ? fmt::format("d1_per_kpa = {:.6g}\n", 2 / body.kappa_kpa)
+                : fmt::format("kappa_kpa = {:.6g}\n", body.kappa_kpa);
+    std::string terms;
+    for (const auto& [amplitude, time_s] : body.tissue.relaxation)
+        terms += fmt::format("{}{{amplitude = {}, time_s = {}}}", terms.empty() ? "" : ", ",
+                             amplitude, time_s);
+    return text + (terms.empty() ? "" : "relaxation = [" + terms + "]\n");
+}
+
+}  // namespace
+
+AspirationBody AspirationBody::of(const AspirationSettings& settings) {
+    AspirationBody body;
+    body.title = "Tissue sucked into a tube";
+    body.hole_diameter_mm = settings.hole_diameter_mm;
+    body.edge_radius_mm = settings.edge_radius_mm;
+    body.outer_diameter_mm = settings.outer_diameter_mm;
+    body.depth_mm = settings.depth_mm;
+    body.width_mm = settings.width_mm;
+    body.friction = settings.friction;
+    return body;
+}
+
+std::string aspiration_model_text(const AspirationBody& body) {
+    const double edge_mm = 0.5 * body.hole_diameter_mm.value + body.edge_radius_mm.value;
+    std::string text = fmt::format("title = \"{}\"\n\n", body.title);
+    text += fmt::format(
+        "[mesh]\nformulation = \"axisymmetric\"\nvolume = \"element-mean\"\n\n[mesh.graded]\n"
+        "width_mm = {:.6g}\ndepth_mm = {}\nedge_mm = {:.6g}\nrefine = {}\n",
+        body.width_mm, body.depth_mm.text(), edge_mm, body.refine);
+    text += fmt::format("surface_x_mm = {}\nsurface_y_mm = {}\n\n", list_of(body.rest.r_mm),
+                        list_of(body.rest.z_mm));
+    text += tissue_text(body);
+    text +=
+        "\n[[fix]]\nname = \"bottom\"\nwhere = {side = \"y-min\"}\n\n"
+        "[[fix]]\nname = \"side\"\nwhere = {side = \"x-max\"}\ncomponents = \"x\"\n";
+    text += fmt::format(
+        "\n[[obstacle]]\nname = \"tube\"\nshape = \"tube\"\nplace_mm = [0, 0]\n"
+        "direction = [0, -1]\nhole_radius_mm = {}\nedge_radius_mm = {}\nouter_radius_mm = {:.6g}\n"
+        "outer_edge_radius_mm = {:.6g}\nstiffness_kpa_per_mm = {:.6g}\nfriction = {}\n"
+        "where = {{point_array = \"surface\"}}\n",
+        body.hole_diameter_mm.text(0.5), body.edge_radius_mm.text(), 0.5 * body.outer_diameter_mm,
+        std::min(body.edge_radius_mm.value, 0.1 * body.hole_diameter_mm.value),
+        body.contact_kpa_per_mm, body.friction.text());
+    text += fmt::format(
+        "\n[[pressure]]\nname = \"suction\"\nwhere = {{point_array = \"surface\", to_mm = [{:.6g}, "
+        "100]}}\nkpa = {:.8g}\nfollows = true\ncolumn = \"share\"\n",
+        edge_mm + 1e-6, -body.peak_kpa);
+    text += fmt::format("\n[history]\ntime_s = {}\nshare = {}\n", list_of(body.steps.time_s),
+                        list_of(body.steps.share));
+    return text;
+}
+
+// the rounded edge: centre (R + e, e), radius e
+double below_tube(double r_mm, double z_mm, double hole_radius_mm, double edge_radius_mm) {
+    const double away = hole_radius_mm + edge_radius_mm - r_mm;
+    if (away <= 0) return std::min(z_mm, 0.0);
+    if (away >= edge_radius_mm) return z_mm;
+    const double edge = edge_radius_mm -
+                        std::sqrt(edge_radius_mm * edge_radius_mm - away * away);
+    return std::min(z_mm, edge);
+}
+
+RestSurface cap_surface(double height_mm, double hole_radius_mm, double edge_radius_mm) {
+    RestSurface rest;
+    const double end = hole_radius_mm + edge_radius_mm;
+    const int count = std::max(3, int(std::ceil(end / sample_mm)));
+    for (int k = 0; k <= count; ++k) {
+        const double r = end * k / count, part = 1 - r * r / (hole_radius_mm * hole_radius_mm);
+        const double z = part > 0 ? height_mm * std::pow(part, cap_power) : 0;
+        rest.r_mm.push_back(r);
+        rest.z_mm.push_back(below_tube(r, z, hole_radius_mm, edge_radius_mm));
+    }
+    return rest;
+}
+
+double theret_stiffness(double suction_kpa, double hole_radius_mm, double travel_mm) {
+    return 3 * wall_factor * suction_kpa * hole_radius_mm / (2 * std::numbers::pi * travel_mm);
+}
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/apps/aspirate/contours/outline.hpp"
+#include "host/apps/aspirate/model/settings_number.hpp"
+#include "host/apps/aspirate/model/suction.hpp"
+
+namespace palpate {
+
+/// What has to be known of the instrument and the camera to read profiles off frames.
+struct AspirationInstrument {
+    double hole_diameter_mm = 10;
+    double rim_thickness_mm = 0.5;  ///< hides so much of the profile
+    double pixel_r_um = 0, pixel_z_um = 0;
+    double base_row_px = 0;                ///< row of z = 0, the lower face of the rim
+    std::optional<double> axis_column_px;  ///< else the outlines' symmetry tells
+    bool is_brighter = true;               ///< tissue, than what is behind it
+    double rate_hz = 0;                    ///< frames a second; 0: `time_s` are given
+    std::vector<double> frame_time_s;      ///< of each frame; may be empty
+    bool is_published = false;             ///< the published search instead of ours
+    /// Left column, top row, width, height of what is looked at; base row and axis count from
+    /// there.
+    std::optional<std::array<Index, 4>> crop_px;
+
+    /// For frames of this size. Throws Error(input_unusable) if the rim is not in them.
+    ContourSettings contours(Index width, Index height) const;
+    /// Of a frame, from 0. Throws Error(input_unusable) if no time is given for it.
+    double time_s(Index frame) const;
+};
+
+/// What an experiment that is only planned would show.
+struct SupposedTissue {
+    double cap_mm = 1;  ///< height at rest over the rim's face
+    double mu_kpa = 0.7, gamma = 10, amplitude = 0.4, relaxation_s = 4;
+    double sd_um = 10;  ///< of a point of a profile
+};
+
+/// All that a settings file says.
+struct AspirationSettings {
+    AspirationInstrument instrument;
+    SettingNumber hole_diameter_mm, edge_radius_mm, pixel_r_um, pixel_z_um;
+    double outer_diameter_mm = 0;
+    SettingNumber delay_s;           ///< of frames behind the readings of suction
+    std::optional<Suction> suction;  ///< if it is given there
+    SettingNumber depth_mm;          ///< of the tissue
+    double width_mm = 0;             ///< of what is modelled, from the axis
+    std::vector<std::string> laws;
+    std::vector<int> relaxation_terms;  ///< how many are tried
+    double kappa_over_shear = 500;      ///< bulk modulus over the largest shear stiffness
+    SettingNumber friction;
+    bool sticks = false;  ///< no slip on the tube
+    int steps = 48;       ///< that the cycle is solved in
+    SupposedTissue supposed;
+};
+
+/// Which tables of a settings file are needed; others are read where they are there.
+enum class AspirationPart : std::uint8_t { frames, tissue, both };
+
+/// Throws Error(invalid_argument), Error(input_unreadable), and Error(input_unusable) for a table
+/// of times that do not ascend.
+AspirationSettings read_aspiration_settings(const std::filesystem::path& path, AspirationPart part);
+
+}  // namespace palpate

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: The palpate developers
+# SPDX-License-Identifier: Apache-2.0
+"""palpate aspirate fit: tissue from profiles and suction, and what is refused."""
+import json
+
+import pytest
+
+from tests import sucked_profiles
+from tests.conftest import run_palpate
+
+SETTINGS = """[instrument]
+hole_diameter_mm = 10.0
+edge_radius_mm = 0.2
+rim_thickness_mm = 0.5
+outer_diameter_mm = 20.0
+pixel_r_um = {value = 62.9, sd = 0.3}
+pixel_z_um = {value = 31.75, sd = 0.16}
+[pressure]
+delay_s = {value = 0.0, sd = 0.02}
+[tissue]
+depth_mm = 20
+steps = 16
+"""
+
+
+@pytest.fixture(scope="module")
+def sucked(tmp_path_factory):
+    folder = sucked_profiles.make(tmp_path_factory.mktemp("sucked"), 0.4)
+    (folder / "aspiration.toml").write_text(SETTINGS)
+    return folder
+
+
+def fit(folder, out, *more, profiles=None, settings=None):
+    return run_palpate("aspirate", "fit", profiles or folder / "profiles.csv", "--pressure", folder / "pressure.csv",
+                       "--config", settings or folder / "aspiration.toml", "--out", out, "--quiet", *more)
+
+
+def test_tissue_comes_back_with_intervals(sucked, tmp_path):
+    finished = fit(sucked, tmp_path / "fit")
+    assert finished.returncode == 0, finished.stderr
+    result = json.loads((tmp_path / "fit/result.json").read_text())
+    values = {one["path"].split(".")[-1]: one for one in result["parameters"]}
+    print(finished.stdout)
+    for name, true, part in (("mu_kpa", 0.7, 0.1), ("gamma", 10, 0.1), ("amplitude", 0.4, 0.15), ("time_s", 3, 0.25)):
+        assert values[name]["value"] == pytest.approx(true, rel=part), name
+        low, high = values[name]["interval_95"]
+        assert low < values[name]["value"] < high
+    assert values["r_scale"]["is_nuisance"] and values["delay_s"]["is_nuisance"]
+    assert result["film"]["travel_mm"] > 0.5
+    assert result["models"][0]["weight"] == pytest.approx(1)
+    page = (tmp_path / "fit/report.html").read_text()
+    assert "Over the cycle" in page and "class='map'" in page
+    # the model with these values is one that `simulate` runs, and the problem one for `identify`
+    finished = run_palpate("simulate", tmp_path / "fit/identified.toml", "--out", tmp_path / "again", "--quiet")
+    assert finished.returncode == 0, finished.stderr
+
+
+def changed(path, old, new):
+    text = path.read_text()
+    assert old in text
+    return text.replace(old, new)
+
+
+@pytest.mark.parametrize("old, new, code, words", [
+    ("steps = 16", 'laws = ["rubber"]', 2, "laws"),
+    ("steps = 16", "step = 16", 2, "step"),
+    ("steps = 16", "relaxation_terms = [4]", 2, "relaxation_terms"),
+    ("edge_radius_mm = 0.2\n", "", 2, "edge_radius_mm"),
+    ("delay_s = {value = 0.0, sd = 0.02}", 'delay_s = "unknown"', 2, "delay_s"),
+    ("steps = 16", "friction = -1", 2, "friction"),
+])
+def test_settings_are_read_strictly(old, new, code, words, sucked, tmp_path):
+    settings = tmp_path / "aspiration.toml"
+    settings.write_text(changed(sucked / "aspiration.toml", old, new))
+    finished = fit(sucked, tmp_path / "fit", settings=settings)
+    assert finished.returncode == code, finished.stderr
+    assert words in finished.stderr
+    assert not (tmp_path / "fit").exists()
+
+
+@pytest.mark.parametrize("text, code, words", [
+    ("time_s,suction_mbar\n0,0\n1,-20\n2,0\n", 4, "positive"),
+    ("time_s,suction_mbar\n0,0\n1,2000\n2,0\n", 4, "1000"),
+    ("time_s,suction_mbar\n0,0\n2,20\n1,0\n", 4, "ascend"),
+    ("time_s,suction_mbar\n0,0\n1,0\n2,0\n", 4, "no suction"),
+    ("time_s,suction_mbar\n0,20\n1,20\n2,0\n", 4, "first reading"),
+    ("time_s,suction_mbar\n100,0\n101,20\n102,0\n", 4, "do not overlap"),
+    ("time_s,suction_psi\n0,0\n1,1\n", 3, "suction_kpa"),
+    ("time_s,suction_mbar\n0,zero\n", 3, "not a number"),
+])
+def test_bad_suction_gets_its_code(text, code, words, sucked, tmp_path):
+    (tmp_path / "pressure.csv").write_text(text)
+    finished = run_palpate("aspirate", "fit", sucked / "profiles.csv", "--pressure", tmp_path / "pressure.csv",
+                           "--config", sucked / "aspiration.toml", "--out", tmp_path / "fit", "--quiet")
+    assert finished.returncode == code, finished.stderr
+    assert words in finished.stderr
+    assert not (tmp_path / "fit").exists()
+
+
+def test_bad_profiles_get_their_code(sucked, tmp_path):
+    lines = (sucked / "profiles.csv").read_text().splitlines()
+    askew = ["{},{},{:.4f},{},{}".format(*line.split(",")[:2], float(line.split(",")[2]) + 0.15 * float(line.split(",")[1]),
+                                         *line.split(",")[3:]) for line in lines[1:]]
+    cases = [
+        (lines[:1] + lines[2000:3000] + lines[1:1000], 4, "go back"),
+        (lines[:500] + ["0.4,0.1,0.9,0,0"], 4, "greater than 0"),
+        (lines[:500] + ["9.0,0.1,0.9,0.01,7"], 3, "flag"),
+        ([lines[0].replace("z_mm", "height")] + lines[1:], 3, "z_mm"),
+        (lines[:1] + askew, 4, "sides differ"),
+        (lines[:1] + [line for line in lines[1:] if float(line.split(",")[0]) < 0.2], 4, "do not overlap"),
+    ]
+    for k, (table, code, words) in enumerate(cases):
+        path = tmp_path / f"{k}.csv"
+        path.write_text("\n".join(table) + "\n")
+        finished = fit(sucked, tmp_path / "fit", profiles=path)
+        assert finished.returncode == code, (words, finished.stderr)
+        assert words in finished.stderr
+        assert not (tmp_path / "fit").exists()
