@@ -62,8 +62,7 @@ std::string picture(const FilmStrip::Shown& shown, double time_s, double stretch
         "<figcaption>{6:.2f} s, frame {7}</figcaption></figure>",
         width, drawn, shown.number + 1, to_base64(png_of(width, height, grey)),
         lines_of(shown.outline, true, sure_colour, stretch),
-        lines_of(shown.outline, false, guess_colour, stretch), time_s,
-        shown.number + 1);
+        lines_of(shown.outline, false, guess_colour, stretch), time_s, shown.number + 1);
 }
 
 }  // namespace
@@ -82,8 +81,7 @@ void FilmStrip::add(const GreyFrame& frame, const Outline& outline) {
 std::string contours_page(const FilmStrip& strip, const std::string& headline,
                           const std::string& figures, const std::vector<double>& seconds,
                           const std::vector<double>& apex_mm,
-                          const std::function<double(Index)>& time_s,
-                          double rows_per_column) {
+                          const std::function<double(Index)>& time_s, double rows_per_column) {
     std::string pictures;
     for (const FilmStrip::Shown& shown : strip.shown())
         pictures += picture(shown, time_s(shown.number), rows_per_column);

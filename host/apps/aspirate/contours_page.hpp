@@ -32,7 +32,6 @@ private:
 std::string contours_page(const FilmStrip& strip, const std::string& headline,
                           const std::string& figures, const std::vector<double>& seconds,
                           const std::vector<double>& apex_mm,
-                          const std::function<double(Index)>& time_s,
-                          double rows_per_column);
+                          const std::function<double(Index)>& time_s, double rows_per_column);
 
 }  // namespace palpate

@@ -209,12 +209,12 @@ Outcome run_contours(const OptionValues& values, const ProgressSink& progress) {
                         fmt::format("cannot write '{}': is the disk full?", folder.string()));
         outcome.result = tree_of(film, axis, instrument);
         write_text_file(inside / "result.json", tree_json(outcome.result));
-        write_text_file(
-            inside / "contours.html",
-            contours_page(film.strip, fmt::format("Outlines in {} frames", film.frames),
-                          tree_html(outcome.result), film.seconds, film.apex_mm,
-                          [&](Index frame) { return instrument.time_s(frame); },
-                          instrument.pixel_z_um / instrument.pixel_r_um));
+        write_text_file(inside / "contours.html",
+                        contours_page(
+                            film.strip, fmt::format("Outlines in {} frames", film.frames),
+                            tree_html(outcome.result), film.seconds, film.apex_mm,
+                            [&](Index frame) { return instrument.time_s(frame); },
+                            instrument.pixel_z_um / instrument.pixel_r_um));
     });
     outcome.text =
         tree_text(outcome.result) + fmt::format("page: {}/contours.html\n", folder.string());

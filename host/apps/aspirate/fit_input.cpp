@@ -15,19 +15,17 @@ namespace palpate {
 namespace {
 
 constexpr double bin_mm = 0.5;
-constexpr double apex_half_mm = 0.75;       // of the axis: what the highest part is
+constexpr double apex_half_mm = 0.75;  // of the axis: what the highest part is
 constexpr double above_rim_mm = 0.12;  // points nearer to the line of visibility are left out
 constexpr Index least_in_bin = 4, least_frames = 8;
 constexpr double most_side_difference_mm = 0.3, least_travel_mm = 0.05;
 constexpr double begin_tolerance_s = 1e-6, rest_part = 0.03;
-constexpr double long_gap = 5;                  // times the usual distance
+constexpr double long_gap = 5;  // times the usual distance
 constexpr double first_mm = 0.25, first_part = 0.3;
 // e^(gamma x) is how much stiffer tissue is at the peak, x = 1.3 (travel / hole radius)^2
 constexpr double stretch_factor = 1.3;
 
-[[noreturn]] void refuse(const std::string& why) {
-    throw Error(ErrorCode::input_unusable, why);
-}
+[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::input_unusable, why); }
 
 /// The weighted straight line through the points of a bin, at its middle.
 std::optional<ThinPoint> mean_near(const FrameProfile& frame, double r_mm, double half_mm,
@@ -105,8 +103,8 @@ std::vector<const FrameProfile*> chosen_frames(const ProfileSeries& profiles,
     return chosen;
 }
 
-ApexTravel travel_of(const ProfileSeries& profiles, const Suction& suction,
-                     const RestSurface& rest, const AspirationSettings& settings, double begin_s) {
+ApexTravel travel_of(const ProfileSeries& profiles, const Suction& suction, const RestSurface& rest,
+                     const AspirationSettings& settings, double begin_s) {
     ApexTravel apex;
     for (const FrameProfile& frame : profiles) {
         const auto mean = mean_near(frame, 0, apex_half_mm, settings.instrument.rim_thickness_mm);
@@ -133,9 +131,9 @@ TissueStart start_of(const ApexTravel& apex, double hole_radius_mm) {
     TissueStart start;
     start.peak_stiffness_kpa =
         theret_stiffness(std::max(apex.suction_kpa[peak], 1e-3), hole_radius_mm, most_mm);
-    const double first_kpa =
-        squares > 0 && products > 0 ? theret_stiffness(products / squares, hole_radius_mm, 1)
-                                    : start.peak_stiffness_kpa;
+    const double first_kpa = squares > 0 && products > 0
+                                 ? theret_stiffness(products / squares, hole_radius_mm, 1)
+                                 : start.peak_stiffness_kpa;
     const double strain = stretch_factor * std::pow(most_mm / hole_radius_mm, 2);
     start.gamma = std::clamp(std::log(start.peak_stiffness_kpa / first_kpa) / strain, 1.0, 25.0);
     start.mu_kpa = 1.5 * std::min(first_kpa, start.peak_stiffness_kpa) / 6;
@@ -159,8 +157,7 @@ void take_points(const ProfileSeries& profiles, const AspirationSettings& settin
                  AspirationFitInput& input) {
     const double lowest_mm = settings.instrument.rim_thickness_mm + above_rim_mm;
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
-    const auto frames =
-        chosen_frames(profiles, input.steps, input.begin_s, settings.delay_s.value);
+    const auto frames = chosen_frames(profiles, input.steps, input.begin_s, settings.delay_s.value);
     const int bins = int(radius_mm / bin_mm);
     for (const FrameProfile* frame : frames) {
         bool is_used = false;
@@ -174,14 +171,16 @@ void take_points(const ProfileSeries& profiles, const AspirationSettings& settin
         input.num_used_frames += is_used;
     }
     if (input.num_used_frames < least_frames)
-        refuse(fmt::format("only {} of {} frames show tissue above the line of visibility while it "
-                           "is sucked; at least {} are needed",
-                           input.num_used_frames, frames.size(), least_frames));
+        refuse(
+            fmt::format("only {} of {} frames show tissue above the line of visibility while it "
+                        "is sucked; at least {} are needed",
+                        input.num_used_frames, frames.size(), least_frames));
     input.asymmetry_mm = asymmetry_of(input.points);
     if (input.asymmetry_mm > most_side_difference_mm)
-        refuse(fmt::format("the tissue's sides differ by {:.2f} mm about the axis; allowed: {:g}; "
-                           "put the tube on straight, or correct the axis",
-                           input.asymmetry_mm, most_side_difference_mm));
+        refuse(
+            fmt::format("the tissue's sides differ by {:.2f} mm about the axis; allowed: {:g}; "
+                        "put the tube on straight, or correct the axis",
+                        input.asymmetry_mm, most_side_difference_mm));
 }
 
 void warn_of_rest(const FoundRest& rest, std::vector<std::string>& warnings) {
@@ -190,9 +189,10 @@ void warn_of_rest(const FoundRest& rest, std::vector<std::string>& warnings) {
             "before suction no tissue is seen above the line of visibility: it is taken as level "
             "with the rim");
     else if (rest.left_rms_mm > 0.05)
-        warnings.push_back(fmt::format("the surface before suction is not smooth: {:.3f} mm are "
-                                       "left of a smooth one",
-                                       rest.left_rms_mm));
+        warnings.push_back(
+            fmt::format("the surface before suction is not smooth: {:.3f} mm are "
+                        "left of a smooth one",
+                        rest.left_rms_mm));
 }
 
 }  // namespace
@@ -226,15 +226,16 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
     }
     input.flagged_percent = 100 * flagged / std::max(1.0, points);
     if (within.empty() || within.back().time_s - delay_s <= input.begin_s)
-        refuse(fmt::format("suction and film do not overlap: it sucks from {:g} to {:g} s, frames "
-                           "are from {:g} to {:g} s",
-                           input.begin_s, suction.end_s(),
-                           profiles.empty() ? 0 : profiles.front().time_s,
-                           profiles.empty() ? 0 : profiles.back().time_s));
+        refuse(fmt::format(
+            "suction and film do not overlap: it sucks from {:g} to {:g} s, frames "
+            "are from {:g} to {:g} s",
+            input.begin_s, suction.end_s(), profiles.empty() ? 0 : profiles.front().time_s,
+            profiles.empty() ? 0 : profiles.back().time_s));
     if (within.size() < profiles.size())
-        input.warnings.push_back(fmt::format("{} frames are from after the last reading of suction "
-                                             "and are left out",
-                                             profiles.size() - within.size()));
+        input.warnings.push_back(
+            fmt::format("{} frames are from after the last reading of suction "
+                        "and are left out",
+                        profiles.size() - within.size()));
     warn_of_gaps(times, "frames", input.warnings);
     warn_of_gaps(suction.time_s, "readings of suction", input.warnings);
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
@@ -248,9 +249,10 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
     if (input.apex.travel_mm.empty() ||
         *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end()) <
             least_travel_mm)
-        refuse(fmt::format("the tissue does not move by {:g} mm under the suction; check that "
-                           "times of film and suction belong together",
-                           least_travel_mm));
+        refuse(
+            fmt::format("the tissue does not move by {:g} mm under the suction; check that "
+                        "times of film and suction belong together",
+                        least_travel_mm));
     input.start = start_of(input.apex, radius_mm);
     return input;
 }

@@ -102,25 +102,27 @@ std::string residual_picture(const AspirationFit& fit) {
         cells += fmt::format(
             "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'><title>{:.2f} s, "
             "{:.1f} mm: {:+.4f} mm</title></rect>",
-            left + wide * double(place[block.time_s[row]]),
-            y_of(block.position_mm(row, 0) + 0.25), wide + 0.3, 220 * 0.5 / (2 * radius) + 0.3,
-            colour_of(residual[row] / most), block.time_s[row], block.position_mm(row, 0),
-            residual[row]);
+            left + wide * double(place[block.time_s[row]]), y_of(block.position_mm(row, 0) + 0.25),
+            wide + 0.3, 220 * 0.5 / (2 * radius) + 0.3, colour_of(residual[row] / most),
+            block.time_s[row], block.position_mm(row, 0), residual[row]);
     std::string labels;
     for (const double r_mm : tick_values({-radius, radius, false, ""}))
-        labels += fmt::format("<text x='{:.0f}' y='{:.1f}' text-anchor='end' class='label'>{:g}"
-                              "</text>",
-                              left - 6, y_of(r_mm) + 4, r_mm);
+        labels += fmt::format(
+            "<text x='{:.0f}' y='{:.1f}' text-anchor='end' class='label'>{:g}"
+            "</text>",
+            left - 6, y_of(r_mm) + 4, r_mm);
     for (const auto& [time_s, column] : place)
         if (column % std::max<std::size_t>(1, place.size() / 6) == 0)
-            labels += fmt::format("<text x='{:.1f}' y='248' text-anchor='middle' class='label'>"
-                                  "{:.1f}</text>",
-                                  left + wide * (double(column) + 0.5), time_s);
-    labels += fmt::format("<text x='{:.0f}' y='266' text-anchor='middle' class='label'>time, s "
-                          "(frames that are fitted)</text><text x='12' y='120' "
-                          "transform='rotate(-90 12 120)' text-anchor='middle' class='label'>r, mm"
-                          "</text>",
-                          0.5 * (left + width));
+            labels += fmt::format(
+                "<text x='{:.1f}' y='248' text-anchor='middle' class='label'>"
+                "{:.1f}</text>",
+                left + wide * (double(column) + 0.5), time_s);
+    labels += fmt::format(
+        "<text x='{:.0f}' y='266' text-anchor='middle' class='label'>time, s "
+        "(frames that are fitted)</text><text x='12' y='120' "
+        "transform='rotate(-90 12 120)' text-anchor='middle' class='label'>r, mm"
+        "</text>",
+        0.5 * (left + width));
     return figure_html(
         fmt::format("<svg class='map' viewBox='0 0 {:.0f} 272' role='img' aria-label='Residuals "
                     "over time and place'>{}{}</svg>",
@@ -153,7 +155,8 @@ ResultTree fit_tree(const AspirationFit& fit) {
     tree.name = "aspiration";
     ResultTree seen{.name = "film", .title = "What was looked at"};
     seen.add(Figure{.name = "model", .value = fit.best().name, .title = "Model"});
-    seen.add(Figure{.name = "frames", .value = std::int64_t(fit.input.num_frames), .title = "Frames"});
+    seen.add(
+        Figure{.name = "frames", .value = std::int64_t(fit.input.num_frames), .title = "Frames"});
     seen.add(Figure{.name = "used_frames",
                     .value = std::int64_t(fit.input.num_used_frames),
                     .title = "Frames that are fitted"});
@@ -191,12 +194,14 @@ ResultTree fit_tree(const AspirationFit& fit) {
         const double evidence = one.found->identified.log_evidence;
         part.add(Figure{.name = "name", .value = one.name, .title = "Model"});
         part.add(Figure{.name = "log_evidence", .value = evidence, .title = "ln evidence"});
-        part.add(Figure{.name = "weight", .value = std::exp(evidence - best) / total, .title = "Weight"});
+        part.add(Figure{
+            .name = "weight", .value = std::exp(evidence - best) / total, .title = "Weight"});
         part.add(Figure{.name = "rms_mm",
                         .value = one.found->identified.blocks.front().rms,
                         .unit = "mm",
                         .title = "Left unexplained (rms)"});
-        part.add(Figure{.name = "converged", .value = one.found->converged(), .title = "Converged"});
+        part.add(
+            Figure{.name = "converged", .value = one.found->converged(), .title = "Converged"});
         models.add(std::move(part));
     }
     tree.add(std::move(models));
@@ -224,10 +229,11 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree) {
          .lead = "<p class='summary'>Tissue that was sucked into a tube: " +
                  escape_html(fit.best().name) + ".</p>",
          .notices = notices,
-         .main = tree_sections_html(tree) +
-                 section_html("history", "Over the cycle", history_picture(fit)) +
-                 section_html("profiles", "Profiles",
-                              "<div class='figures'>" + profiles + residual_picture(fit) + "</div>"),
+         .main =
+             tree_sections_html(tree) +
+             section_html("history", "Over the cycle", history_picture(fit)) +
+             section_html("profiles", "Profiles",
+                          "<div class='figures'>" + profiles + residual_picture(fit) + "</div>"),
          .footer = "All figures: <code>result.json</code>; the model with these values: "
                    "<code>identified.toml</code>, which <code>palpate simulate</code> runs.",
          .style = ".map{width:100%}.map .label{font-size:11px;fill:currentColor}"});

@@ -26,7 +26,9 @@ constexpr const char* result_file = "result.json";
 constexpr const char* points_file = "points.csv";
 constexpr double contact_factor = 300;  // stiffness of the tube, per mm
 
-std::string open_from(double start) { return fmt::format("{{unknown = true, start = {:.5g}}}", start); }
+std::string open_from(double start) {
+    return fmt::format("{{unknown = true, start = {:.5g}}}", start);
+}
 
 /// Every number of the law and of its relaxation is looked for.
 TissueText open_tissue(const std::string& law, int num_terms, const TissueStart& start) {
@@ -94,8 +96,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     report_progress(progress, "intervals", 0, tried.name);
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = problem.num_simulation();
-    found.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return tried;
 }
 

@@ -64,8 +64,8 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
             }
     FoundRest found;
     found.asymmetry_mm = asymmetry_of(points);
-    found.is_seen = farthest_mm > least_seen_part * hole_radius_mm &&
-                    Index(points.size()) > 10 * num_terms;
+    found.is_seen =
+        farthest_mm > least_seen_part * hole_radius_mm && Index(points.size()) > 10 * num_terms;
     Terms shape = Terms::Zero();
     double scale = 1e3;
     for (int round = 0; found.is_seen && round < rounds; ++round) {
@@ -96,8 +96,8 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
         const double r = end_mm * k / count;
         const double z = std::max(0.0, shape.dot(terms_at(r, end_mm)));
         found.surface.r_mm.push_back(r);
-        found.surface.z_mm.push_back(
-            k == count ? 0 : below_tube(r, z, hole_radius_mm, edge_radius_mm));
+        found.surface.z_mm.push_back(k == count ? 0
+                                                : below_tube(r, z, hole_radius_mm, edge_radius_mm));
     }
     return found;
 }

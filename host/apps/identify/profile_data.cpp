@@ -48,8 +48,7 @@ public:
         const SimulationResult& simulation = *state.simulation;
         const std::vector<Index> nodes = surface_nodes(simulation);
         std::vector<std::optional<SmoothCurve>> curves(simulation.states.size());
-        const bool is_about_axis =
-            simulation.mesh().formulation == Formulation::axisymmetric;
+        const bool is_about_axis = simulation.mesh().formulation == Formulation::axisymmetric;
         Eigen::VectorXd rows(block_.num_row());
         for (std::size_t row = 0; row < r_mm_.size(); ++row) {
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);

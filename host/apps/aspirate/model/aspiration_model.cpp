@@ -16,7 +16,8 @@ constexpr double sample_mm = 0.25, cap_power = 1.25, wall_factor = 2.05;
 
 std::string list_of(const std::vector<double>& values) {
     std::string text;
-    for (const double value : values) text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value);
+    for (const double value : values)
+        text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value);
     return "[" + text + "]";
 }
 
@@ -84,8 +85,7 @@ double below_tube(double r_mm, double z_mm, double hole_radius_mm, double edge_r
     const double away = hole_radius_mm + edge_radius_mm - r_mm;
     if (away <= 0) return std::min(z_mm, 0.0);
     if (away >= edge_radius_mm) return z_mm;
-    const double edge = edge_radius_mm -
-                        std::sqrt(edge_radius_mm * edge_radius_mm - away * away);
+    const double edge = edge_radius_mm - std::sqrt(edge_radius_mm * edge_radius_mm - away * away);
     return std::min(z_mm, edge);
 }
 

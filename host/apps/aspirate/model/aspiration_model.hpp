@@ -30,11 +30,11 @@ struct AspirationBody {
     double outer_diameter_mm = 0, width_mm = 0;
     RestSurface rest;
     TissueText tissue;
-    double kappa_kpa = 0;            ///< bulk modulus
-    double contact_kpa_per_mm = 0;   ///< pressure of the tube per depth
-    double peak_kpa = 0;             ///< suction where its share is 1
+    double kappa_kpa = 0;           ///< bulk modulus
+    double contact_kpa_per_mm = 0;  ///< pressure of the tube per depth
+    double peak_kpa = 0;            ///< suction where its share is 1
     SuctionSteps steps;
-    int refine = 1;                  ///< of the mesh
+    int refine = 1;  ///< of the mesh
 
     /// What settings say of instrument and tissue; the rest is to be filled in.
     static AspirationBody of(const AspirationSettings& settings);
