@@ -36,6 +36,9 @@ struct IdentifiedParameter {
     /// Whether an end of the interval is where the model could no longer be solved, or the end of
     /// what was allowed.
     std::array<bool, 2> is_cut{false, false};
+    /// How far mesh and time steps have moved value and interval, and what is left unknown of that
+    /// (sd, in the interval), on the transformed scale (`correct_for_discretisation`).
+    double discretisation_shift = 0, discretisation_sd = 0;
     Judgement judgement;
     Index partner = -1;  ///< the parameter that correlates most with it; -1: alone
     double partner_correlation = 0;

@@ -30,6 +30,11 @@ std::string why_text(const IdentifiedParameter& one) {
                                  : one.judgement.reason;
 }
 
+/// Mesh and time steps move it by more than the data leave open.
+bool is_shifted_far(const IdentifiedParameter& one) {
+    return std::abs(one.discretisation_shift) > one.sd;
+}
+
 ResultTree parameter_part(const IdentifiedParameter& one, const std::string& path,
                           const std::vector<IdentifiedParameter>& all) {
     ResultTree part{.name = path};
@@ -54,6 +59,8 @@ ResultTree parameter_part(const IdentifiedParameter& one, const std::string& pat
     part.add("sd_on_scale", one.sd);
     part.add("prior_median", one.parameter.median);
     part.add("prior_sd_on_scale", one.parameter.sd);
+    part.add("mesh_shift_on_scale", one.discretisation_shift);
+    part.add("mesh_shift_sd", one.discretisation_sd);
     part.add("interval_is_of_profile", one.is_profiled);
     part.add("interval_is_cut", std::vector<std::int64_t>{one.is_cut[0], one.is_cut[1]});
     if (one.partner >= 0) {
@@ -146,6 +153,11 @@ ResultTree identified_tree(const IdentifiedExperiment& found) {
     tree.add(std::move(knowledge));
     ResultTree search{.name = "search", .title = "Search"};
     search.add(Figure{.name = "ending", .value = ending_sentence(found), .title = "Ending"});
+    if (!found.mesh_check_sentence.empty())
+        search.add(Figure{.name = "mesh_check",
+                          .value = found.mesh_check_sentence,
+                          .title = "Mesh and time steps"});
+    search.add("mesh_checked", found.is_mesh_checked);
     search.add(Figure{.name = "method", .value = name_of(found.fit.method), .title = "Method"});
     search.add(Figure{
         .name = "log_evidence", .value = all.log_evidence, .title = "ln evidence of this model"});
@@ -179,6 +191,12 @@ std::string identified_text(const IdentifiedExperiment& found) {
     for (const IdentifiedParameter& one : found.identified.parameters)
         if (stands_at_an_end(one))
             out += "Warning: " + harmless(label_of(one.parameter)) + ": " + why_text(one) + ".\n";
+    for (const IdentifiedParameter& one : found.identified.parameters)
+        if (is_shifted_far(one) && !one.parameter.is_nuisance)
+            out += fmt::format(
+                "Warning: {}: the mesh and the time steps moved it by {:.1f} sd; refine them.\n",
+                harmless(label_of(one.parameter)), std::abs(one.discretisation_shift) / one.sd);
+    if (!found.mesh_check_sentence.empty()) out += found.mesh_check_sentence + '\n';
     if (found.num_minimum > 1)
         out += fmt::format("{} starts ended in {} different minima; this is the best.\n",
                            found.num_start, found.num_minimum);

@@ -20,6 +20,8 @@ struct IdentifiedExperiment {
     bool is_plan = false;
     int num_start = 1, num_minimum = 1;
     int num_simulation = 0;
+    bool is_mesh_checked = false;          ///< whether values are corrected for mesh and time steps
+    std::string mesh_check_sentence = {};  ///< what was done about them, or why nothing
     double seconds = 0;
 
     bool converged() const { return fit.ending == Ending::converged && fit.is_settled; }

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "host/apps/simulate/simulation_settings.hpp"
+
+namespace palpate {
+
+/// Halves all cells of a mesh that is made here. False, and nothing done, for one of a file.
+bool halve_cells(SimulationSettings& settings);
+/// Halves all time steps, loads being linear in between; the first one only if every load has a
+/// column, because others act in full from the first time on. False for a static load or a motion.
+bool halve_steps(SimulationSettings& settings);
+
+}  // namespace palpate

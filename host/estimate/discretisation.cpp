@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/estimate/discretisation.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double all_of_second_order = 4.0 / 3.0;
+constexpr double unknown_share = 1.0 / 3.0;
+constexpr double reach_95 = 1.959964;
+
+/// An end of an interval, moved by `shift` and away from the value by an sd of `sd`.
+double moved_end(const Parameter& parameter, double end, double centre, double shift, double sd) {
+    if (!std::isfinite(end) || end <= parameter.lowest || end >= parameter.highest) return end;
+    if (parameter.transform == Transform::log && !(end > 0)) return end;
+    const double width = to_transformed(parameter, end) - centre;
+    // The interval's own half width and the discretisation's are independent.
+    const double wider = std::copysign(std::hypot(width, reach_95 * sd), width);
+    return std::clamp(to_value(parameter, centre + shift + wider), parameter.lowest,
+                      parameter.highest);
+}
+
+}  // namespace
+
+Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters, const Fit& fit,
+                                        const Prediction& finer) {
+    const Eigen::VectorXd slopes = slopes_of(parameters, fit.transformed);
+    Eigen::VectorXd pull = Eigen::VectorXd::Zero(fit.transformed.size());
+    for (std::size_t b = 0; b < fit.prediction->blocks.size(); ++b) {
+        const DataBlock& block = fit.prediction->blocks[b];
+        if (finer.blocks.size() != fit.prediction->blocks.size() ||
+            finer.blocks[b].predicted.size() != block.predicted.size())
+            throw Error(ErrorCode::internal, "a finer prediction has other rows");
+        const Eigen::MatrixXd columns = transformed_columns(block, slopes);
+        pull += columns.transpose() * fit.noise->covariance(static_cast<Index>(b))
+                                          .solve(finer.blocks[b].predicted - block.predicted);
+    }
+    return -fit.equations.hessian.ldlt().solve(pull);
+}
+
+void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
+                                Identified& all) {
+    for (std::size_t k = 0; k < all.parameters.size(); ++k) {
+        IdentifiedParameter& found = all.parameters[k];
+        const auto at = static_cast<Eigen::Index>(k);
+        double shift = 0, variance = 0;
+        for (const Eigen::VectorXd& one : shifts) {
+            shift += all_of_second_order * one[at];
+            variance += std::pow(unknown_share * one[at], 2);
+        }
+        const double centre = fit.transformed[at], sd = std::sqrt(variance);
+        found.discretisation_shift = shift;
+        found.discretisation_sd = sd;
+        found.value = std::clamp(to_value(found.parameter, centre + shift), found.parameter.lowest,
+                                 found.parameter.highest);
+        if (found.judgement.verdict == Verdict::not_identifiable) continue;
+        for (double& end : found.interval) end = moved_end(found.parameter, end, centre, shift, sd);
+    }
+}
+
+}  // namespace palpate

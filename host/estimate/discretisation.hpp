@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "host/estimate/identified.hpp"
+
+namespace palpate {
+
+/// How far the minimum of F moves if the model is solved on a finer discretisation, to first order
+/// with the columns of the coarse one, [num_parameter] on the transformed scale:
+///   delta = -H^-1 J^T C^-1 (y_fine - y).
+/// `finer` is predicted at the values of the fit, row by row as there. Throws Error(internal) where
+/// rows do not fit.
+Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters, const Fit& fit,
+                                        const Prediction& finer);
+
+/// Takes errors of the discretisation out of values and intervals. Each of `shifts` is of one thing
+/// halved (cells, time steps). With errors of order p all of the error is delta / (1 - 2^-p): 4/3
+/// of delta for p = 2, twice delta for p = 1 (Richardson). Values move by 4/3 of the sum; what is
+/// not known of the order, delta / 3 each, goes into the intervals in quadrature, as one direction
+/// in all parameters.
+void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
+                                Identified& all);
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/estimate/discretisation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "solver/base/error.hpp"
+#include "toy_problem.hpp"
+
+namespace palpate {
+namespace {
+
+using Number = ToyProblem::Number;
+
+/// y_i = k (1 + error) x_i, k looked for; a coarse model has the error e h^2.
+ToyProblem stretched(double error, double measured_factor) {
+    Eigen::VectorXd measured(5);
+    for (Index i = 0; i < 5; ++i) measured[i] = measured_factor * (i + 1);
+    DataBlock block;
+    block.name = "force";
+    block.measured = measured;
+    block.sd = Eigen::VectorXd::Constant(5, 0.01);
+    block.has_discrepancy = false;
+    return {
+        {log_parameter("k", 1, 1, 1.5)}, block, [error](const std::vector<Number>& v, Index row) {
+            return v[0] * (1 + error) * Number(row + 1);
+        }};
+}
+
+TEST(Discretisation, AnErrorOfSecondOrderIsTakenOutAndLeavesItsShareInTheInterval) {
+    constexpr double error = 0.04, truth = 2;
+    const ToyProblem coarse = stretched(error, truth), fine = stretched(error / 4, truth);
+    FitOptions options;
+    options.discrepancy.is_learned = false;
+    options.gauss_newton.gain_tolerance = 1e-10;
+    const Fit found = fit(coarse, options);
+    Identified known = identify(coarse, found, {});
+    const IdentifiedParameter before = known.parameters[0];
+    const auto finer = fine.predict(found.values, PredictedColumns::none, nullptr).prediction;
+
+    const Eigen::VectorXd shift = shift_by_discretisation(coarse.parameters(), found, *finer);
+    // From k (1 + e) = 2 to k (1 + e / 4) = 2.
+    EXPECT_NEAR(shift[0], std::log((1 + error) / (1 + error / 4)), 0.03 * shift[0]);
+    correct_for_discretisation({shift}, found, known);
+
+    const IdentifiedParameter& after = known.parameters[0];
+    EXPECT_LT(before.interval[1], truth);
+    EXPECT_NEAR(after.value, truth, 0.002);
+    EXPECT_NEAR(after.discretisation_shift, 4.0 / 3.0 * shift[0], 1e-12);
+    EXPECT_NEAR(after.discretisation_sd, shift[0] / 3, 1e-12);
+    const double half_before = std::log(before.interval[1] / before.value);
+    const double half_after = std::log(after.interval[1] / after.value);
+    EXPECT_NEAR(half_after, std::hypot(half_before, 1.96 * shift[0] / 3), 1e-4);
+    EXPECT_LT(after.interval[0], truth);
+    EXPECT_GT(after.interval[1], truth);
+}
+
+TEST(Discretisation, RowsThatDoNotFitAreRefused) {
+    const ToyProblem problem = stretched(0, 2);
+    const Fit found = fit(problem, {});
+    Prediction other;
+    EXPECT_THROW(shift_by_discretisation(problem.parameters(), found, other), Error);
+}
+
+}  // namespace
+}  // namespace palpate
