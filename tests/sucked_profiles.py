@@ -58,8 +58,11 @@ def make(folder, step_s, *, mu=0.7, gamma=10, amplitude=0.4, tau=3, sd_mm=0.003,
     edge = EDGE_MM - numpy.sqrt(EDGE_MM**2 - away**2)
     y = numpy.where(x > HOLE_MM, numpy.minimum(y, edge), y)
     begin = 0.2
-    times = numpy.append(numpy.arange(begin + step_s, CYCLE_S[-1], step_s), CYCLE_S[-1])
-    times = numpy.unique(numpy.round(numpy.append(times, CYCLE_S[2:]), 6))
+    # shorter steps behind each kink of the cycle
+    times = numpy.append(numpy.arange(begin + step_s, CYCLE_S[-1], step_s), CYCLE_S[2:])
+    for kink in CYCLE_S[1:-1]:
+        times = numpy.append(times, kink + step_s * numpy.array([0.1, 0.25, 0.5]))
+    times = numpy.unique(numpy.round(times, 6))
     shares = numpy.interp(times, CYCLE_S, CYCLE_MBAR) / max(CYCLE_MBAR)
     words = lambda values: "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
     (folder / "truth.toml").write_text(MODEL.format(
@@ -69,7 +72,7 @@ def make(folder, step_s, *, mu=0.7, gamma=10, amplitude=0.4, tau=3, sd_mm=0.003,
     assert finished.returncode == 0, finished.stderr
     columns = numpy.arange(-79, 80) * 0.0629
     films = []
-    for state in sorted((folder / "truth").glob("state_*.vtu")):
+    for state in sorted((folder / "truth").glob("state_*.vtu")):  # the first is at rest
         arrays = read_arrays(state)
         points = next(array for name, array in arrays.items() if name.lower() == "points")
         rest, places = points, points + arrays["displacement"]

@@ -13,19 +13,19 @@ hole_diameter_mm = 10.0
 edge_radius_mm = 0.2
 rim_thickness_mm = 0.5
 outer_diameter_mm = 20.0
-pixel_r_um = {value = 62.9, sd = 0.3}
-pixel_z_um = {value = 31.75, sd = 0.16}
+pixel_r_um = 62.9
+pixel_z_um = 31.75
 [pressure]
 delay_s = {value = 0.0, sd = 0.02}
 [tissue]
 depth_mm = 20
-steps = 16
+steps = 12
 """
 
 
 @pytest.fixture(scope="module")
 def sucked(tmp_path_factory):
-    folder = sucked_profiles.make(tmp_path_factory.mktemp("sucked"), 0.4)
+    folder = sucked_profiles.make(tmp_path_factory.mktemp("sucked"), 0.15)
     (folder / "aspiration.toml").write_text(SETTINGS)
     return folder
 
@@ -45,7 +45,7 @@ def test_tissue_comes_back_with_intervals(sucked, tmp_path):
         assert values[name]["value"] == pytest.approx(true, rel=part), name
         low, high = values[name]["interval_95"]
         assert low < values[name]["value"] < high
-    assert values["r_scale"]["is_nuisance"] and values["delay_s"]["is_nuisance"]
+    assert values["delay_s"]["is_nuisance"]
     assert result["film"]["travel_mm"] > 0.5
     assert result["models"][0]["weight"] == pytest.approx(1)
     page = (tmp_path / "fit/report.html").read_text()
@@ -62,12 +62,12 @@ def changed(path, old, new):
 
 
 @pytest.mark.parametrize("old, new, code, words", [
-    ("steps = 16", 'laws = ["rubber"]', 2, "laws"),
-    ("steps = 16", "step = 16", 2, "step"),
-    ("steps = 16", "relaxation_terms = [4]", 2, "relaxation_terms"),
+    ("steps = 12", 'laws = ["rubber"]', 2, "laws"),
+    ("steps = 12", "step = 12", 2, "step"),
+    ("steps = 12", "relaxation_terms = [4]", 2, "relaxation_terms"),
     ("edge_radius_mm = 0.2\n", "", 2, "edge_radius_mm"),
     ("delay_s = {value = 0.0, sd = 0.02}", 'delay_s = "unknown"', 2, "delay_s"),
-    ("steps = 16", "friction = -1", 2, "friction"),
+    ("steps = 12", "friction = -1", 2, "friction"),
 ])
 def test_settings_are_read_strictly(old, new, code, words, sucked, tmp_path):
     settings = tmp_path / "aspiration.toml"

@@ -137,8 +137,9 @@ std::string unknowns_sentence(const AspirationFit& fit) {
     std::string text;
     for (const IdentifiedParameter& one : fit.best().found->identified.parameters)
         if (!one.parameter.is_nuisance)
-            text += fmt::format("{}{} {:.3g} {}", text.empty() ? "" : ", ", one.parameter.name,
-                                one.value, one.parameter.unit);
+            text +=
+                fmt::format("{}{} {:.3g}{}{}", text.empty() ? "" : ", ", one.parameter.name,
+                            one.value, one.parameter.unit.empty() ? "" : " ", one.parameter.unit);
     return text;
 }
 

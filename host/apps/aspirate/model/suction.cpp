@@ -18,7 +18,7 @@ constexpr double kpa_per_mbar = 0.1, most_mbar = 1000, least_peak_mbar = 0.5;
 constexpr double begin_part = 0.005, most_at_first = 0.05;  // of the peak
 constexpr double straight_part = 0.004;
 constexpr double least_reading_mbar = -0.5;  // a sensor's zero may be off by so much
-constexpr double first_part = 0.25;          // of the longest step, behind a kink
+constexpr double first_part = 0.1;           // of the longest step, behind a kink
 constexpr double growth = 1.5;
 
 [[noreturn]] void refuse(const std::string& source, const std::string& why) {
