@@ -133,3 +133,28 @@ def test_settings_are_read_strictly(change, words, settings, tmp_path):
     finished = run_palpate("aspirate", "contours", frames, "--config", settings, "--out", tmp_path / "out")
     assert finished.returncode == 2
     assert words in finished.stderr
+
+
+def test_cropped_timed_and_calibrated_films_give_the_same_profiles(settings, tmp_path):
+    frames = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 5, 6)]
+    plain = from_pipe(settings, frames).stdout
+    assert plain.count(b"\n") > 500
+    (tmp_path / "times.csv").write_text("time_s\n" + "".join(f"{k / 25}\n" for k in range(6)))
+    # rows of tips in the whole frame: 7 rows more are above
+    (tmp_path / "tips.csv").write_text("length_mm,row_px\n" + "".join(f"{mm},{157 - mm / 0.03175:.6f}\n"
+                                                                        for mm in (0, 1.5, 3)))
+    settings.write_text(SETTINGS.replace("rate_hz = 25.0", 'times = "times.csv"')
+                        .replace("pixel_z_um = 31.75\nbase_row_px = 150", 'calibration = "tips.csv"')
+                        .replace("axis_column_px = 89.5", "axis_column_px = 94.5\ncrop_px = [5, 7, 180, 180]"))
+    wider = [numpy.pad(frame, ((7, 3), (5, 2)), constant_values=255) for frame in frames]
+    other = from_pipe(settings, wider, "187x190")
+    assert other.returncode == 0, other.stderr
+    rows = [numpy.array([[float(cell) for cell in line.split(",")] for line in text.decode().splitlines()[1:]
+                         if line[0] != "#"]) for text in (plain, other.stdout)]
+    numpy.testing.assert_allclose(rows[1], rows[0], atol=2e-4)
+
+    (tmp_path / "times.csv").write_text("time_s\n0\n0.04\n")
+    assert from_pipe(settings, wider, "187x190").returncode == 4  # more frames than times
+    settings.write_text(SETTINGS.replace("[frames]", "crop_px = [100, 0, 180, 180]\n[frames]"))
+    finished = from_pipe(settings, frames)
+    assert finished.returncode == 4 and b"crop_px" in finished.stderr

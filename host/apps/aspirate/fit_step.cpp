@@ -12,6 +12,7 @@
 #include "host/apps/compute_options.hpp"
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/identified_tree.hpp"
+#include "host/apps/identify/mesh_check.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/page/tree_json.hpp"
 #include "host/system/exit_codes.hpp"
@@ -80,14 +81,12 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
         Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
     const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
     const int jobs = values.is_given("jobs") ? values.integer("jobs") : cores;
-    const ExperimentProblem problem(
-        *tried.experiment,
-        [&](SimulationSettings& model) {
-            model.newton.linear = tangents_of(values);
-            model.newton.loops = {model.newton.linear.backend, model.newton.linear.device,
-                                  values.text("backend") != "auto"};
-        },
-        jobs, progress);
+    const auto configure = [&](SimulationSettings& model) {
+        model.newton.linear = tangents_of(values);
+        model.newton.loops = {model.newton.linear.backend, model.newton.linear.device,
+                              values.text("backend") != "auto"};
+    };
+    const ExperimentProblem problem(*tried.experiment, configure, jobs, progress);
     report_progress(progress, "fit", 0, tried.name);
     tried.found = std::make_shared<IdentifiedExperiment>(
         IdentifiedExperiment{.experiment = *tried.experiment});
@@ -96,6 +95,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     report_progress(progress, "intervals", 0, tried.name);
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = problem.num_simulation();
+    check_mesh(configure, found, progress);
     found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return tried;
 }

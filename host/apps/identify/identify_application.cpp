@@ -11,10 +11,9 @@
 
 #include "host/apps/compute_options.hpp"
 #include "host/apps/identify/experiment_problem.hpp"
-#include "host/apps/identify/finer_settings.hpp"
 #include "host/apps/identify/identified_tree.hpp"
+#include "host/apps/identify/mesh_check.hpp"
 #include "host/apps/identify/planned_problem.hpp"
-#include "host/estimate/discretisation.hpp"
 #include "host/estimate/multi_start.hpp"
 #include "solver/base/error.hpp"
 
@@ -127,74 +126,13 @@ Outcome outcome_of(const IdentifiedExperiment& found, const std::filesystem::pat
     return outcome;
 }
 
-/// A fit's values on cells or time steps of half the size; null if these cannot be halved.
-std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, const Fit& fit,
-                                                bool (*halve)(SimulationSettings&),
-                                                const OptionValues& values,
-                                                IdentifiedExperiment& found,
-                                                const ProgressSink& progress) {
-    bool is_halved = false;
-    const ExperimentProblem finer(
-        experiment,
-        [&](SimulationSettings& settings) {
-            configure(settings, values);
-            is_halved = halve(settings);
-            if (!is_halved) throw Error(ErrorCode::solve_failed, "it cannot be made finer");
-        },
-        1, progress);
-    PredictionAttempt made;
-    try {
-        made = checked_prediction(finer, fit.values, PredictedColumns::none, nullptr);
-    } catch (const Error& error) {
-        // What a finer mesh cannot do is said; the fit stands.
-        if (error.code() == ErrorCode::cancelled) throw;
-        made.failure = error.what();
-    }
-    found.num_simulation += is_halved;
-    if (is_halved && !made.prediction)
-        found.mesh_check_sentence =
-            "The finer model could not be solved (" + made.failure + "): intervals lack its error.";
-    return made.prediction;
-}
-
-/// The errors of mesh and time steps out of the values and into the intervals.
-void check_mesh(const OptionValues& values, IdentifiedExperiment& found,
-                const ProgressSink& progress) {
-    const auto& parameters = found.experiment.parameters();
-    std::vector<Eigen::VectorXd> shifts;
-    std::string what;
-    const auto add = [&](const char* name, bool (*halve)(SimulationSettings&)) {
-        report_progress(progress, "mesh check", -1, name);
-        const auto finer =
-            predict_finer(found.experiment, found.fit, halve, values, found, progress);
-        if (!finer) return;
-        shifts.push_back(shift_by_discretisation(parameters, found.fit, *finer));
-        what += (what.empty() ? "" : " and ") + std::string(name);
-    };
-    add("cells", halve_cells);
-    add("time steps", halve_steps);
-    if (!found.mesh_check_sentence.empty()) return;
-    if (shifts.empty()) {
-        found.mesh_check_sentence =
-            "A mesh of a file cannot be refined here: its error is not in the intervals.";
-        return;
-    }
-    correct_for_discretisation(shifts, found.fit, found.identified);
-    found.is_mesh_checked = true;
-    found.mesh_check_sentence = fmt::format(
-        "Values are corrected by a run with {} of half the size; the intervals have "
-        "what that leaves unknown.",
-        what);
-}
-
 Outcome run_identify(const OptionValues& values, const ProgressSink& progress) {
     const auto begin = std::chrono::steady_clock::now();
     const Experiment experiment = Experiment::read(values.path("experiment"));
     const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
     const int jobs = values.is_given("jobs") ? values.integer("jobs") : cores;
-    const ExperimentProblem measured(
-        experiment, [&](SimulationSettings& settings) { configure(settings, values); }, jobs,
-        progress);
+    const auto configured = [&](SimulationSettings& settings) { configure(settings, values); };
+    const ExperimentProblem measured(experiment, configured, jobs, progress);
     IdentifiedExperiment found{.experiment = experiment, .is_plan = values.flag("plan")};
     std::optional<PlannedProblem> planned;
     if (found.is_plan) planned.emplace(measured);
@@ -204,7 +142,7 @@ Outcome run_identify(const OptionValues& values, const ProgressSink& progress) {
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = measured.num_simulation();
     if (!found.is_plan && experiment.has_model() && values.text("mesh_check") == "on")
-        check_mesh(values, found, progress);
+        check_mesh(configured, found, progress);
     found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return outcome_of(found, values.path("out"));
 }

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/identify/mesh_check.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/apps/identify/experiment_problem.hpp"
+#include "host/apps/identify/finer_settings.hpp"
+#include "host/estimate/discretisation.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+using Configure = std::function<void(SimulationSettings&)>;
+
+/// A fit's values on cells or time steps of half the size; null if these cannot be halved.
+std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, const Fit& fit,
+                                                bool (*halve)(SimulationSettings&),
+                                                const Configure& configure,
+                                                IdentifiedExperiment& found,
+                                                const ProgressSink& progress) {
+    bool is_halved = false;
+    const ExperimentProblem finer(
+        experiment,
+        [&](SimulationSettings& settings) {
+            configure(settings);
+            is_halved = halve(settings);
+            if (!is_halved) throw Error(ErrorCode::solve_failed, "it cannot be made finer");
+        },
+        1, progress);
+    PredictionAttempt made;
+    try {
+        made = checked_prediction(finer, fit.values, PredictedColumns::none, nullptr);
+    } catch (const Error& error) {
+        // What a finer mesh cannot do is said; the fit stands.
+        if (error.code() == ErrorCode::cancelled) throw;
+        made.failure = error.what();
+    }
+    found.num_simulation += is_halved;
+    if (is_halved && !made.prediction)
+        found.mesh_check_sentence =
+            "The finer model could not be solved (" + made.failure + "): intervals lack its error.";
+    return made.prediction;
+}
+
+}  // namespace
+
+void check_mesh(const Configure& configure, IdentifiedExperiment& found,
+                const ProgressSink& progress) {
+    const auto& parameters = found.experiment.parameters();
+    std::vector<Eigen::VectorXd> shifts;
+    std::string what;
+    const auto add = [&](const char* name, bool (*halve)(SimulationSettings&)) {
+        report_progress(progress, "mesh check", -1, name);
+        const auto finer =
+            predict_finer(found.experiment, found.fit, halve, configure, found, progress);
+        if (!finer) return;
+        shifts.push_back(shift_by_discretisation(parameters, found.fit, *finer));
+        what += (what.empty() ? "" : " and ") + std::string(name);
+    };
+    add("cells", halve_cells);
+    add("time steps", halve_steps);
+    if (!found.mesh_check_sentence.empty()) return;
+    if (shifts.empty()) {
+        found.mesh_check_sentence =
+            "A mesh of a file cannot be refined here: its error is not in the intervals.";
+        return;
+    }
+    correct_for_discretisation(shifts, found.fit, found.identified);
+    found.is_mesh_checked = true;
+    found.mesh_check_sentence = fmt::format(
+        "Values are corrected by a run with {} of half the size; the intervals have "
+        "what that leaves unknown.",
+        what);
+}
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "host/apps/identify/identified_tree.hpp"
+
+namespace palpate {
+
+/// The errors of mesh and time steps out of the values of `found` and into its intervals, by one
+/// simulation each on cells and steps of half the size; `found.mesh_check_sentence` tells what
+/// became of it.
+///   configure   sets how equations are solved
+void check_mesh(const std::function<void(SimulationSettings&)>& configure,
+                IdentifiedExperiment& found, const ProgressSink& progress);
+
+}  // namespace palpate
