@@ -79,7 +79,7 @@ def test_killed_workers_lose_nothing_and_their_cases_stop(cluster, tmp_path):
         victim = cluster.workers[kills]
         drivers = children_of(victim.pid)
         victim.kill()
-        wait_until(lambda: not any(os.path.exists(f"/proc/{driver}/exe") for driver in drivers), 4)
+        wait_until(lambda: not any(os.path.exists(f"/proc/{driver}/exe") for driver in drivers), 60)
         cluster.add_worker()
     code, out, errors = end_of(process)
     assert code == 0, errors
@@ -112,7 +112,7 @@ def test_a_signal_stops_the_engine_and_what_it_started(cluster, tmp_path):
     process.send_signal(signal.SIGTERM)
     code, _, errors = end_of(process)
     assert code == 9 and "goes on" in errors
-    wait_until(lambda: status(cohort)[1]["in_work"] == 0, 5)
+    wait_until(lambda: status(cohort)[1]["in_work"] == 0, 60)
     assert status(cohort)[1]["cases"]["waiting"] == 8
 
 
