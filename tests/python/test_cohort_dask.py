@@ -79,7 +79,7 @@ def test_killed_workers_lose_nothing_and_their_cases_stop(cluster, tmp_path):
         victim = cluster.workers[kills]
         drivers = children_of(victim.pid)
         victim.kill()
-        wait_until(lambda: not any(os.path.exists(f"/proc/{driver}/exe") for driver in drivers), 60)
+        wait_until(lambda: not any(os.path.exists(f"/proc/{driver}/exe") for driver in drivers), 4)
         cluster.add_worker()
     code, out, errors = end_of(process)
     assert code == 0, errors
