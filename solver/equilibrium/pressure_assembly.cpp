@@ -98,25 +98,32 @@ double PressureAssembly::work(const Eigen::VectorXd& from, const Eigen::VectorXd
     return sum;
 }
 
-/// Adds sign (K + of_transpose K^T) / 2.
-void PressureAssembly::add_part(const Eigen::VectorXd& u, double of_transpose, double sign,
-                                BlockMatrix& matrix) const {
+/// The parts K_ab of the load stiffness at u, face by face and point by point.
+template <class Visit>
+void PressureAssembly::for_each_slope(const Eigen::VectorXd& u, const Visit& visit) const {
     for_each_face([&](const Face& face, const auto& points, std::size_t k) {
         if (pressure_kpa_[k] == 0) return;
         const auto place = places(face, u);
         for (const ParametricPoint& point : points) {
             const DeformedArea area(model_.mesh, point, place, face.size());
-            const double size = 0.5 * sign * pressure_kpa_[k] * point.weight;
+            const double size = pressure_kpa_[k] * point.weight;
             for (std::size_t b = 0; b < face.size(); ++b) {
-                const Mat3 slope = area.slope(b);
-                for (std::size_t a = 0; a < face.size(); ++a) {
+                const Mat3 slope = size * area.slope(b);
+                for (std::size_t a = 0; a < face.size(); ++a)
                     // K_ab = P w N_a dc/du_b (method.md, 9.18)
-                    const Mat3 part = size * point.value[a] * slope;
-                    add_block(matrix, face[a], face[b], part);
-                    add_block(matrix, face[b], face[a], of_transpose * part.transpose());
-                }
+                    visit(face[a], face[b], Mat3(point.value[a] * slope));
             }
         }
+    });
+}
+
+/// Adds sign (K + of_transpose K^T) / 2.
+void PressureAssembly::add_part(const Eigen::VectorXd& u, double of_transpose, double sign,
+                                BlockMatrix& matrix) const {
+    for_each_slope(u, [&](Index a, Index b, const Mat3& slope) {
+        const Mat3 part = 0.5 * sign * slope;
+        add_block(matrix, a, b, part);
+        add_block(matrix, b, a, of_transpose * part.transpose());
     });
 }
 
@@ -133,23 +140,9 @@ void PressureAssembly::add_antisymmetric(const Eigen::VectorXd& u, bool is_trans
 std::vector<MatrixEntry> PressureAssembly::antisymmetric_entries(const Eigen::VectorXd& u,
                                                                  double negligible) const {
     std::map<std::pair<Index, Index>, Mat3> blocks;  // K_ab - K_ba^T of nodes that share a face
-    for_each_face([&](const Face& face, const auto& points, std::size_t k) {
-        if (pressure_kpa_[k] == 0) return;
-        const auto place = places(face, u);
-        for (const ParametricPoint& point : points) {
-            const DeformedArea area(model_.mesh, point, place, face.size());
-            const double size = pressure_kpa_[k] * point.weight;
-            for (std::size_t b = 0; b < face.size(); ++b) {
-                const Mat3 slope = size * area.slope(b);
-                for (std::size_t a = 0; a < face.size(); ++a) {
-                    const auto add = [&](Index row, Index column, const Mat3& part) {
-                        blocks.try_emplace({row, column}, Mat3::Zero()).first->second += part;
-                    };
-                    add(face[a], face[b], point.value[a] * slope);
-                    add(face[b], face[a], -point.value[a] * slope.transpose());
-                }
-            }
-        }
+    for_each_slope(u, [&](Index a, Index b, const Mat3& slope) {
+        blocks.try_emplace({a, b}, Mat3::Zero()).first->second += slope;
+        blocks.try_emplace({b, a}, Mat3::Zero()).first->second -= slope.transpose();
     });
     std::vector<MatrixEntry> entries;
     for (const auto& [nodes, block] : blocks)

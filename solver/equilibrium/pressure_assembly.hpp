@@ -57,6 +57,8 @@ private:
     std::array<Vec3, 6> places(const Face& face, const Eigen::VectorXd& u) const;
     template <class Visit>
     void for_each_face(const Visit& visit) const;
+    template <class Visit>
+    void for_each_slope(const Eigen::VectorXd& u, const Visit& visit) const;
     void add_part(const Eigen::VectorXd& u, double of_transpose, double sign,
                   BlockMatrix& matrix) const;
 
