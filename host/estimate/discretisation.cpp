@@ -46,6 +46,8 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
                                 Identified& all) {
+    std::vector<Parameter> parameters;
+    for (const IdentifiedParameter& one : all.parameters) parameters.push_back(one.parameter);
     for (std::size_t k = 0; k < all.parameters.size(); ++k) {
         IdentifiedParameter& found = all.parameters[k];
         const auto at = static_cast<Eigen::Index>(k);
@@ -61,6 +63,7 @@ void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, cons
                                  found.parameter.highest);
         if (found.judgement.verdict == Verdict::not_identifiable) continue;
         for (double& end : found.interval) end = moved_end(found.parameter, end, centre, shift, sd);
+        found.judgement = judge_parameter(parameters, found);
     }
 }
 

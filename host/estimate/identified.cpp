@@ -85,30 +85,6 @@ Judgement judge_bounded(const IdentifiedParameter& found, const std::string& tra
                         100 * std::min(share, 1.0), trade)};
 }
 
-Judgement judge_parameter(const std::vector<Parameter>& parameters,
-                          const IdentifiedParameter& found, const UnknownEvidence& evidence) {
-    const std::string trade = partner_words(parameters, found);
-    const std::string& unit = found.parameter.unit;
-    switch (case_of(evidence)) {
-        case EvidenceCase::unseen:
-            return {Verdict::not_identifiable,
-                    fmt::format("the data hardly narrow what was assumed beforehand (sd {:.2g} "
-                                "against {:.2g} before){}",
-                                evidence.sd, evidence.prior_sd, trade)};
-        case EvidenceCase::lower_bound_only:
-            return {Verdict::weak, fmt::format("only a lower bound is known, {:.3g} {}: larger "
-                                               "values fit as well{}",
-                                               found.interval[0], unit, trade)};
-        case EvidenceCase::upper_bound_only:
-            return {Verdict::weak, fmt::format("only an upper bound is known, {:.3g} {}: smaller "
-                                               "values fit as well{}",
-                                               found.interval[1], unit, trade)};
-        case EvidenceCase::bounded:
-            return judge_bounded(found, trade);
-    }
-    return {};
-}
-
 void find_partner(const Eigen::MatrixXd& correlation, Index k, IdentifiedParameter& found) {
     for (Index j = 0; j < correlation.cols(); ++j) {
         if (j == k || std::abs(correlation(k, j)) <= std::abs(found.partner_correlation)) continue;
@@ -139,13 +115,14 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     found.is_cut = interval.is_cut;
     for (const int side : {0, 1})
         found.interval[side] = to_value(found.parameter, interval.ends[side]);
-    UnknownEvidence evidence{found.sd, found.parameter.sd, 0, true, true};
+    UnknownEvidence& evidence = found.evidence;
+    evidence = {found.sd, found.parameter.sd, 0, true, true};
     if (options.judges_far_ends && !found.parameter.is_nuisance) {
         const auto excluded = profiles.excluded_ends(k);
         evidence.excludes_low = excluded[0];
         evidence.excludes_high = excluded[1];
     }
-    found.judgement = judge_parameter(parameters, found, evidence);
+    found.judgement = judge_parameter(parameters, found);
     if (found.parameter.has_prior() && !found.parameter.is_nuisance)
         found.interval = told_interval(found.interval, prior_interval_of(found.parameter), evidence,
                                        found.judgement.verdict);
@@ -187,6 +164,30 @@ void weigh_model(const Fit& fit, const Curvature& curvature, Identified& all) {
 }
 
 }  // namespace
+
+Judgement judge_parameter(const std::vector<Parameter>& parameters,
+                          const IdentifiedParameter& found) {
+    const std::string trade = partner_words(parameters, found);
+    const std::string& unit = found.parameter.unit;
+    switch (case_of(found.evidence)) {
+        case EvidenceCase::unseen:
+            return {Verdict::not_identifiable,
+                    fmt::format("the data hardly narrow what was assumed beforehand (sd {:.2g} "
+                                "against {:.2g} before){}",
+                                found.evidence.sd, found.evidence.prior_sd, trade)};
+        case EvidenceCase::lower_bound_only:
+            return {Verdict::weak, fmt::format("only a lower bound is known, {:.3g} {}: larger "
+                                               "values fit as well{}",
+                                               found.interval[0], unit, trade)};
+        case EvidenceCase::upper_bound_only:
+            return {Verdict::weak, fmt::format("only an upper bound is known, {:.3g} {}: smaller "
+                                               "values fit as well{}",
+                                               found.interval[1], unit, trade)};
+        case EvidenceCase::bounded:
+            return judge_bounded(found, trade);
+    }
+    return {};
+}
 
 double effective_rows(const BlockCovariance& covariance) {
     // 1^T R^-1 1 = c^T C^-1 c with c the root of C's diagonal

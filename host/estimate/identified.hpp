@@ -39,8 +39,9 @@ struct IdentifiedParameter {
     /// How far mesh and time steps have moved value and interval, and what is left unknown of that
     /// (sd, in the interval), on the transformed scale (`correct_for_discretisation`).
     double discretisation_shift = 0, discretisation_sd = 0;
-    Judgement judgement;
-    Index partner = -1;  ///< the parameter that correlates most with it; -1: alone
+    UnknownEvidence evidence;
+    Judgement judgement;  ///< of `evidence` and the interval (`judge_parameter`)
+    Index partner = -1;   ///< the parameter that correlates most with it; -1: alone
     double partner_correlation = 0;
 };
 
@@ -79,6 +80,10 @@ struct Identified {
 /// `recover` (method.md section 5), evidence. `progress` may throw to cancel.
 Identified identify(const DataProblem& problem, const Fit& fit, const IdentifyOptions& options,
                     const ProgressSink& progress = {});
+
+/// The verdict of a parameter by its evidence and the interval that it has now.
+Judgement judge_parameter(const std::vector<Parameter>& parameters,
+                          const IdentifiedParameter& found);
 
 /// n_eff = 1^T R^-1 1 with R the correlation matrix of C: how many independent rows would know a
 /// mean as well; between 1 and the number of rows.

@@ -47,9 +47,17 @@ Eigen::VectorXd ProfileSearch::on_ridge(Index k, double t) const {
 double ProfileSearch::rise_at(const Eigen::VectorXd& transformed) {
     check_cancelled(progress_);
     ++num_prediction_;
-    const PredictionAttempt made =
-        checked_prediction(problem_, to_values(parameters_, transformed), PredictedColumns::none,
-                           fit_.prediction.get());
+    const auto predicted = [&](const Prediction* warm) {
+        return checked_prediction(problem_, to_values(parameters_, transformed),
+                                  PredictedColumns::none, warm);
+    };
+    PredictionAttempt made = predicted(fit_.prediction.get());
+    if (!made.prediction) {
+        // From a far state it may have been given up too early, and an end must not count as
+        // excluded for that.
+        ++num_prediction_;
+        made = predicted(nullptr);
+    }
     if (!made.prediction) return infinite;
     NoiseModel noise = *fit_.noise;
     noise.reweight(*made.prediction);

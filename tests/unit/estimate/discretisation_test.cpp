@@ -57,6 +57,20 @@ TEST(Discretisation, AnErrorOfSecondOrderIsTakenOutAndLeavesItsShareInTheInterva
     EXPECT_GT(after.interval[1], truth);
 }
 
+TEST(Discretisation, AnIntervalThatItWidensBeyondAFactorOfTwoIsRecoveredNoLonger) {
+    const ToyProblem problem = stretched(0, 2);
+    const Fit found = fit(problem, {});
+    Identified known = identify(problem, found, {});
+    ASSERT_EQ(known.parameters[0].judgement.verdict, Verdict::recovered);
+    Identified nearly = known;
+    correct_for_discretisation({Eigen::VectorXd::Constant(1, 0.1)}, found, nearly);
+    EXPECT_EQ(nearly.parameters[0].judgement.verdict, Verdict::recovered);
+    correct_for_discretisation({Eigen::VectorXd::Constant(1, 0.9)}, found, known);
+    const auto [low, high] = known.parameters[0].interval;
+    ASSERT_GT(high / low, 2);
+    EXPECT_EQ(known.parameters[0].judgement.verdict, Verdict::weak);
+}
+
 TEST(Discretisation, RowsThatDoNotFitAreRefused) {
     const ToyProblem problem = stretched(0, 2);
     const Fit found = fit(problem, {});

@@ -68,6 +68,19 @@ TEST(Identified, ASpringThatHardlyMovesHasALowerBoundOnly) {
     EXPECT_GT(stiffness.interval[1], 200 * std::exp(1.9 * 2.5));
 }
 
+TEST(Identified, AnEndThatIsOnlyGivenUpEarlyIsNotExcluded) {
+    ToyProblem problem = spring(0.02, 0.05);
+    problem.mutable_parameters()[0].median = 200;
+    problem.mutable_parameters()[0].start = 200;
+    problem.mutable_parameters()[0].sd = 2.5;
+    problem.fails_warm = [](const Eigen::VectorXd& values) { return values[0] > 1e6; };
+
+    const Identified known = identify(problem, fit(problem, held()), {});
+
+    const Judgement& judgement = known.parameters[0].judgement;
+    EXPECT_NE(judgement.reason.find("only a lower bound"), std::string::npos) << judgement.reason;
+}
+
 TEST(Identified, WhatDataDoNotTouchKeepsThePriorsInterval) {
     ToyProblem problem = spring(2.0, 0.02);
     problem.mutable_parameters().push_back(log_parameter("other", 3, 3, 0.5));

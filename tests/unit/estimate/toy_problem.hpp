@@ -43,7 +43,8 @@ public:
                               const Prediction* warm) const override {
         ++num_prediction;
         num_warm += warm ? 1 : 0;
-        if (fails && fails(values)) return {nullptr, "no equilibrium"};
+        if ((fails && fails(values)) || (warm && fails_warm && fails_warm(values)))
+            return {nullptr, "no equilibrium"};
         auto made = std::make_shared<Prediction>();
         made->values = values;
         made->blocks = {data_};
@@ -59,6 +60,7 @@ public:
     DataBlock& data() { return data_; }
 
     std::function<bool(const Eigen::VectorXd&)> fails;
+    std::function<bool(const Eigen::VectorXd&)> fails_warm;  ///< only from an earlier prediction
     mutable int num_prediction = 0, num_warm = 0;
 
 private:
