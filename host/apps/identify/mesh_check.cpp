@@ -16,6 +16,8 @@
 namespace palpate {
 namespace {
 
+constexpr const char* steps = "time steps";
+
 using Configure = std::function<void(SimulationSettings&)>;
 
 /// A fit's values on cells or time steps of half the size; null if these cannot be halved.
@@ -64,7 +66,7 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
         what += (what.empty() ? "" : " and ") + std::string(name);
     };
     add("cells", halve_cells);
-    add("time steps", halve_steps);
+    add(steps, halve_steps);
     if (!found.mesh_check_sentence.empty()) return;
     if (shifts.empty()) {
         found.mesh_check_sentence =
@@ -77,6 +79,9 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
         "Values are corrected by a run with {} of half the size; the intervals have "
         "what that leaves unknown.",
         what);
+    if (what == steps)
+        found.mesh_check_sentence +=
+            " A mesh of a file cannot be refined here: its error is not in the intervals.";
 }
 
 }  // namespace palpate
