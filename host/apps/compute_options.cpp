@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "solver/backend/registry.hpp"
 #include "solver/base/error.hpp"
@@ -120,14 +121,20 @@ LinearSolverOptions solver_of(const OptionValues& values) {
     return options;
 }
 
-MatrixSolverOptions tangents_of(const OptionValues& values) {
+void take_tangent_options(const OptionValues& values, EquilibriumOptions& newton) {
     const LinearSolverOptions options = asked_solver(values);
     const bool is_by_name = values.text("backend") != "auto" || !options.device.device.empty() ||
                             options.method == LinearMethod::multigrid ||
                             options.method == LinearMethod::jacobi;
     if (is_by_name && options.method != LinearMethod::direct)
         make_backend(options.backend, options.device);
-    return matrix_solver_options(options);
+    newton.linear = matrix_solver_options(options);
+    newton.loops = {newton.linear.backend, newton.linear.device, values.text("backend") != "auto"};
+}
+
+int jobs_of(const OptionValues& values) {
+    if (values.is_given("jobs")) return values.integer("jobs");
+    return int(std::max(1u, std::thread::hardware_concurrency()));
 }
 
 MesherOptions mesher_of(const OptionValues& values) {

@@ -6,8 +6,8 @@
 
 #include "host/geometry/meshing/mesher.hpp"
 #include "host/io/option_values.hpp"
+#include "solver/equilibrium/newton.hpp"
 #include "solver/linear/linear_solver.hpp"
-#include "solver/linear/matrix_solver.hpp"
 
 // Parts of tables of options that several applications share: who computes, and how meshes are
 // made.
@@ -27,10 +27,13 @@ std::vector<Option> joined(std::initializer_list<std::vector<Option>> parts);
 /// Error(device_unavailable) if it then finds no device, Error(unsupported) for what this build
 /// lacks: nothing falls back silently.
 LinearSolverOptions solver_of(const OptionValues& values);
-/// Of values with `tangent_options`. "auto" needs no device: the host factorises where there is
+/// How `newton` solves with tangents and where its element loops run, of values with
+/// `tangent_options`. "auto" needs no device: the host factorises where there is
 /// none. A back end, a device or conjugate gradients that were asked for by name are looked for
 /// before any work, and Error(device_unavailable) says that they are missing.
-MatrixSolverOptions tangents_of(const OptionValues& values);
+void take_tangent_options(const OptionValues& values, EquilibriumOptions& newton);
+/// Of values with an option "jobs": the cores, if it is not given.
+int jobs_of(const OptionValues& values);
 /// Of values with `mesher_options`.
 MesherOptions mesher_of(const OptionValues& values);
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <thread>
 
 #include "host/apps/aspirate/fit_input.hpp"
 #include "host/apps/aspirate/fit_page.hpp"
@@ -79,14 +78,10 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
         experiment_text(settings, input, suction, open_tissue(law, num_terms, input.start));
     tried.experiment = std::make_shared<const Experiment>(
         Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
-    const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
-    const int jobs = values.is_given("jobs") ? values.integer("jobs") : cores;
     const auto configure = [&](SimulationSettings& model) {
-        model.newton.linear = tangents_of(values);
-        model.newton.loops = {model.newton.linear.backend, model.newton.linear.device,
-                              values.text("backend") != "auto"};
+        take_tangent_options(values, model.newton);
     };
-    const ExperimentProblem problem(*tried.experiment, configure, jobs, progress);
+    const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
     report_progress(progress, "fit", 0, tried.name);
     tried.found = std::make_shared<IdentifiedExperiment>(
         IdentifiedExperiment{.experiment = *tried.experiment});

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <fstream>
 #include <string>
-#include <thread>
 
 #include "host/apps/compute_options.hpp"
 #include "host/apps/identify/experiment_problem.hpp"
@@ -108,12 +107,6 @@ void search(const DataProblem& problem, const OptionValues& values, IdentifiedEx
     found.fit = std::move(all.best);
 }
 
-void configure(SimulationSettings& settings, const OptionValues& values) {
-    settings.newton.linear = tangents_of(values);
-    settings.newton.loops = {settings.newton.linear.backend, settings.newton.linear.device,
-                             values.text("backend") != "auto"};
-}
-
 Outcome outcome_of(const IdentifiedExperiment& found, const std::filesystem::path& folder) {
     Outcome outcome{identified_tree(found)};
     outcome.text = identified_text(found);
@@ -129,10 +122,10 @@ Outcome outcome_of(const IdentifiedExperiment& found, const std::filesystem::pat
 Outcome run_identify(const OptionValues& values, const ProgressSink& progress) {
     const auto begin = std::chrono::steady_clock::now();
     const Experiment experiment = Experiment::read(values.path("experiment"));
-    const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
-    const int jobs = values.is_given("jobs") ? values.integer("jobs") : cores;
-    const auto configured = [&](SimulationSettings& settings) { configure(settings, values); };
-    const ExperimentProblem measured(experiment, configured, jobs, progress);
+    const auto configured = [&](SimulationSettings& settings) {
+        take_tangent_options(values, settings.newton);
+    };
+    const ExperimentProblem measured(experiment, configured, jobs_of(values), progress);
     IdentifiedExperiment found{.experiment = experiment, .is_plan = values.flag("plan")};
     std::optional<PlannedProblem> planned;
     if (found.is_plan) planned.emplace(measured);

@@ -28,9 +28,7 @@ Outcome run_simulate(const OptionValues& values, const ProgressSink& progress) {
     const bool overwrite = values.flag("overwrite");
     check_simulation_folder(folder, overwrite);
     SimulationSettings settings = read_simulation(values.path("model"));
-    settings.newton.linear = tangents_of(values);
-    settings.newton.loops = {settings.newton.linear.backend, settings.newton.linear.device,
-                             values.text("backend") != "auto"};
+    take_tangent_options(values, settings.newton);
     const SimulationResult result = run_simulation(settings, progress);
     report_progress(progress, "writing", 0, "result folder");
     write_simulation(result, folder, overwrite);
