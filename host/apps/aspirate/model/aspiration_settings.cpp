@@ -208,19 +208,6 @@ void read_tissue(const SettingsTable& table, AspirationSettings& read, const Num
     read.steps = table.whole_number("steps", 12, 400).value_or(read.steps);
 }
 
-void read_supposed(const SettingsTable& table, SupposedTissue& read) {
-    table.allow_keys({"cap_mm", "mu_kpa", "gamma", "amplitude", "relaxation_s", "sd_um"});
-    const auto take = [&](const char* key, NumberRange range, double& value) {
-        value = table.number(key, range).value_or(value);
-    };
-    take("cap_mm", {0, 50}, read.cap_mm);
-    take("mu_kpa", {0, 1e4, true}, read.mu_kpa);
-    take("gamma", {0, 200, true}, read.gamma);
-    take("amplitude", {0, 100, true}, read.amplitude);
-    take("relaxation_s", {0, 1e4, true}, read.relaxation_s);
-    take("sd_um", {0, 1e4, true}, read.sd_um);
-}
-
 }  // namespace
 
 ContourSettings AspirationInstrument::contours(Index width, Index height) const {
@@ -254,7 +241,7 @@ AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart
     const NumberReader reader;
     const SettingsTable all =
         SettingsTable::parse(text, path.filename().string(), reader.resolver());
-    all.allow_keys({"instrument", "frames", "pressure", "tissue", "supposed"});
+    all.allow_keys({"instrument", "frames", "pressure", "tissue"});
     const fs::path folder = path.parent_path();
     AspirationSettings read;
     const auto instrument = all.table("instrument"), frames = all.table("frames");
@@ -274,7 +261,6 @@ AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart
     read.laws = {"veronda-westmann"};
     read.relaxation_terms = {1};
     if (const auto tissue = all.table("tissue")) read_tissue(*tissue, read, reader);
-    if (const auto supposed = all.table("supposed")) read_supposed(*supposed, read.supposed);
     return read;
 }
 

@@ -35,13 +35,6 @@ struct AspirationInstrument {
     double time_s(Index frame) const;
 };
 
-/// What an experiment that is only planned would show.
-struct SupposedTissue {
-    double cap_mm = 1;  ///< height at rest over the rim's face
-    double mu_kpa = 0.7, gamma = 10, amplitude = 0.4, relaxation_s = 4;
-    double sd_um = 10;  ///< of a point of a profile
-};
-
 /// All that a settings file says.
 struct AspirationSettings {
     AspirationInstrument instrument;
@@ -57,7 +50,6 @@ struct AspirationSettings {
     SettingNumber friction;
     bool sticks = false;  ///< no slip on the tube
     int steps = 48;       ///< that the cycle is solved in
-    SupposedTissue supposed;
 };
 
 /// Which tables of a settings file are needed; others are read where they are there.
