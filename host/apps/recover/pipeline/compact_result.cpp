@@ -102,13 +102,22 @@ void check_mark(ByteReader& reader, const FileMark& wanted) {
     if (mark != wanted) refuse_bytes("it is of another version of palpate, or no file of palpate");
 }
 
-RecoveryResult facts_of(std::span<const char> bytes) {
+/// What `take` reads of bytes that begin with `mark`, and nothing else.
+template <typename Read>
+auto read_marked(std::span<const char> bytes, const FileMark& mark, const Read& take) {
     ByteReader reader(bytes);
-    check_mark(reader, facts_mark);
-    RecoveryResult result;
-    visit_facts(reader, result);
+    check_mark(reader, mark);
+    auto value = take(reader);
     if (!reader.at_end()) refuse_bytes("it is too long");
-    return result;
+    return value;
+}
+
+RecoveryResult facts_of(std::span<const char> bytes) {
+    return read_marked(bytes, facts_mark, [](ByteReader& reader) {
+        RecoveryResult result;
+        visit_facts(reader, result);
+        return result;
+    });
 }
 
 /// The motion of a compact result in its model.
@@ -156,12 +165,11 @@ std::string body_bytes(const BodyMesh& body) {
 }
 
 BodyMesh body_of(std::span<const char> bytes) {
-    ByteReader reader(bytes);
-    check_mark(reader, body_mark);
-    BodyMesh body;
-    visit(reader, body);
-    if (!reader.at_end()) refuse_bytes("it is too long");
-    return body;
+    return read_marked(bytes, body_mark, [](ByteReader& reader) {
+        BodyMesh body;
+        visit(reader, body);
+        return body;
+    });
 }
 
 RecoveryResult expand_result(const CompactResult& kept, const Segmentation& reference,
