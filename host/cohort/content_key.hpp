@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-/// Raised only when the same input gives other answers than before; not with every version.
+/// Raised only when the same input gives other answers, or a case other files, than before; not
+/// with every version.
 inline constexpr int numerics_version = 2;
 
 /// SHA-256 (FIPS 180-4) in 64 hexadecimal digits.
