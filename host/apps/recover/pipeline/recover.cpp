@@ -248,7 +248,9 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
             const bool converged = result.termination.converged;
             const double seconds = seconds_after(timer, result);
             tell.result(k, std::move(result), seconds);
-            if (joint.problem) together.add(k, std::move(joint), converged, repeats[k]);
+            // What a joint estimate needs of a target takes some 100 MB: kept only for one.
+            if (tell.joint && joint.problem)
+                together.add(k, std::move(joint), converged, repeats[k]);
         } catch (const Error& error) {
             if (!tell.failed || ends_all(error)) throw;
             tell.failed(k, error);
