@@ -12,7 +12,10 @@ namespace palpate {
 namespace {
 
 constexpr double all_of_second_order = 4.0 / 3.0;
-constexpr double unknown_share = 1.0 / 3.0;
+/// What is not known of a shift: a third of it where it is small beside the sd, all of it from
+/// three sd on, where a first-order correction is a guess.
+constexpr double least_unknown_share = 1.0 / 3.0, most_unknown_share = 1;
+constexpr double shift_of_guess = 3;  // sd
 constexpr double reach_95 = 1.959964;
 
 /// An end of an interval, moved by `shift` and away from the value by an sd of `sd`.
@@ -51,12 +54,14 @@ void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, cons
     for (std::size_t k = 0; k < all.parameters.size(); ++k) {
         IdentifiedParameter& found = all.parameters[k];
         const auto at = static_cast<Eigen::Index>(k);
-        double shift = 0, variance = 0;
+        double shift = 0, squares = 0;
         for (const Eigen::VectorXd& one : shifts) {
             shift += all_of_second_order * one[at];
-            variance += std::pow(unknown_share * one[at], 2);
+            squares += one[at] * one[at];
         }
-        const double centre = fit.transformed[at], sd = std::sqrt(variance);
+        const double share = std::clamp(std::abs(shift) / (shift_of_guess * found.sd),
+                                        least_unknown_share, most_unknown_share);
+        const double centre = fit.transformed[at], sd = share * std::sqrt(squares);
         found.discretisation_shift = shift;
         found.discretisation_sd = sd;
         found.value = std::clamp(to_value(found.parameter, centre + shift), found.parameter.lowest,

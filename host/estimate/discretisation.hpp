@@ -19,9 +19,10 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 
 /// Takes errors of the discretisation out of values and intervals. Each of `shifts` is of one thing
 /// halved (cells, time steps). With errors of order p all of the error is delta / (1 - 2^-p): 4/3
-/// of delta for p = 2, twice delta for p = 1 (Richardson). Values move by 4/3 of the sum; what is
-/// not known of the order, delta / 3 each, goes into the intervals in quadrature, as one direction
-/// in all parameters. Verdicts follow the new intervals.
+/// of delta for p = 2, twice delta for p = 1 (Richardson). Values move by 4/3 of the sum. What is
+/// not known joins the intervals in quadrature: a third of each delta, for the order, and up to all
+/// of it where the shift is more than an sd, because then more than the first order counts.
+/// Verdicts follow the new intervals.
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
                                 Identified& all);
 
