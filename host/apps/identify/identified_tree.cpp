@@ -30,11 +30,6 @@ std::string why_text(const IdentifiedParameter& one) {
                                  : one.judgement.reason;
 }
 
-/// Mesh and time steps move it by more than the data leave open.
-bool is_shifted_far(const IdentifiedParameter& one) {
-    return std::abs(one.discretisation_shift) > one.sd;
-}
-
 ResultTree parameter_part(const IdentifiedParameter& one, const std::string& path,
                           const std::vector<IdentifiedParameter>& all) {
     ResultTree part{.name = path};
@@ -191,11 +186,6 @@ std::string identified_text(const IdentifiedExperiment& found) {
     for (const IdentifiedParameter& one : found.identified.parameters)
         if (stands_at_an_end(one))
             out += "Warning: " + harmless(label_of(one.parameter)) + ": " + why_text(one) + ".\n";
-    for (const IdentifiedParameter& one : found.identified.parameters)
-        if (is_shifted_far(one) && !one.parameter.is_nuisance)
-            out += fmt::format(
-                "Warning: {}: the mesh and the time steps moved it by {:.1f} sd; refine them.\n",
-                harmless(label_of(one.parameter)), std::abs(one.discretisation_shift) / one.sd);
     if (!found.mesh_check_sentence.empty()) out += found.mesh_check_sentence + '\n';
     if (found.num_minimum > 1)
         out += fmt::format("{} starts ended in {} different minima; this is the best.\n",

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/finer_settings.hpp"
 #include "host/estimate/discretisation.hpp"
+#include "host/page/plain_text.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -79,6 +81,15 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
         "Values are corrected by a run with {} of half the size; the intervals have "
         "what that leaves unknown.",
         what);
+    std::string far;
+    for (const IdentifiedParameter& one : found.identified.parameters)
+        if (std::abs(one.discretisation_shift) > one.sd && !one.parameter.is_nuisance)
+            far += fmt::format("{}{} by {:.1f} sd", far.empty() ? "" : ", ",
+                               harmless(label_of(one.parameter)),
+                               std::abs(one.discretisation_shift) / one.sd);
+    if (!far.empty())
+        found.mesh_check_sentence +=
+            " Warning: that moved " + far + "; refine mesh and time steps.";
     if (what == steps)
         found.mesh_check_sentence +=
             " A mesh of a file cannot be refined here: its error is not in the intervals.";
