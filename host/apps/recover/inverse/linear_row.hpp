@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
-#include <cmath>
+#include <memory>
+#include <vector>
 
 #include "host/apps/recover/inverse/contour_kernel.hpp"
 #include "host/apps/recover/objectives/target_frame.hpp"
@@ -11,6 +13,8 @@
 #include "solver/base/types.hpp"
 
 namespace palpate {
+
+class RowCorrelations;
 
 /// One surface distance, linearised: residual + normal . (u - u_linearised), with noise that is in
 /// part independent from row to row and in part correlated along the surface.
@@ -28,6 +32,9 @@ struct LinearRow {
     Vec3 place = Vec3::Zero();  ///< of the node, reference, mm
     std::array<double, max_terraces> range_mm{};  ///< the correlation of each wave falls to 1/e
     double weight = 1;  ///< in sums that the size of the noise is found from; less for outliers
+    /// Correlations of its surface, as far as they were computed, and its place there.
+    std::shared_ptr<const RowCorrelations> known = {};
+    Index place_in_known = 0;
 };
 
 /// The target's alignment as an unknown of its own: delta ~ N(0, covariance).
@@ -42,48 +49,24 @@ struct FramePrior {
 
 /// Correlation of what contours of one surface are off by at two of its rows, relative to
 /// `contour_mm`: (1 - share) k(d) + share slice_correlation.
-inline double contour_correlation(const LinearRow& a, const LinearRow& b) {
-    const double distance = (a.place - b.place).norm(), share = a.slice_share;
-    const double smooth = contour_correlation(distance);
-    if (share == 0) return smooth;
-    return (1.0 - share) * smooth + share * slice_correlation(a.slices, b.slices, distance);
-}
+double contour_correlation(const LinearRow& a, const LinearRow& b);
 
 /// Covariance (mm^2) that terraces of voxels give two rows of one surface, exponential in their
 /// distance.
-inline double terrace_covariance(const LinearRow& a, const LinearRow& b, double distance) {
-    double sum = 0, range = 0, decay = 0;
-    for (int k = 0; k < max_terraces; ++k) {
-        const double wave = a.terraces.waves.col(k).dot(b.terraces.waves.col(k));
-        if (wave == 0) continue;
-        if (a.range_mm[k] != range) {
-            range = a.range_mm[k];
-            decay = std::exp(-distance / range);
-        }
-        sum += wave * decay;
-    }
-    return sum;
-}
+double terrace_covariance(const LinearRow& a, const LinearRow& b, double distance);
 
 /// Covariance (mm^2) between the noise of two different rows: that of contours, and of terraces.
-inline double noise_covariance(const LinearRow& a, const LinearRow& b) {
-    if (a.surface != b.surface) return 0;
-    return a.contour_mm * b.contour_mm * contour_correlation(a, b) +
-           terrace_covariance(a, b, (a.place - b.place).norm());
-}
+double noise_covariance(const LinearRow& a, const LinearRow& b);
 
 /// What contours add (mm^2).
-inline double contour_variance(const LinearRow& row) {
-    return row.contour_mm * row.contour_mm * contour_correlation(row, row);
-}
+double contour_variance(const LinearRow& row);
 
 /// Of the parts (mm^2) that a row shares with its neighbours.
-inline double correlated_variance(const LinearRow& row) {
-    return row.terraces.variance() + contour_variance(row);
-}
+double correlated_variance(const LinearRow& row);
 
-inline double noise_variance(const LinearRow& row) {
-    return row.independent_mm * row.independent_mm + correlated_variance(row);
-}
+double noise_variance(const LinearRow& row);
+
+/// R [num rows, num rows] mm^2: the noise of all rows.
+Eigen::MatrixXd noise_matrix(const std::vector<LinearRow>& rows);
 
 }  // namespace palpate

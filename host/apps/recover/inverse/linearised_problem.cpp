@@ -19,6 +19,14 @@ std::vector<Index> regions_of(const std::vector<Unknown>& unknowns) {
     return regions;
 }
 
+/// D, what each row counts where the size of the noise is found.
+Eigen::VectorXd weights_of(const std::vector<LinearRow>& rows) {
+    Eigen::VectorXd weights(rows.size());
+    std::transform(rows.begin(), rows.end(), weights.begin(),
+                   [](const LinearRow& row) { return row.weight; });
+    return weights;
+}
+
 }  // namespace
 
 // The wall motion that is left free by the walls' own data, c = N m + P w with w ~ N(0, 1): all
@@ -93,34 +101,27 @@ void LinearisedProblem::read_rows(const std::vector<LinearRow>& rows,
     const Index num_modes = model_.num_modes() + frame_.size();
     observed_.along_modes.resize(num_rows, num_modes);
     observed_.target.resize(num_rows);
-    Eigen::MatrixXd noise(num_rows, num_rows);
-    Eigen::VectorXd weights(num_rows);
+    const Eigen::MatrixXd noise = noise_matrix(observed_.rows);
+    const Eigen::VectorXd weights = weights_of(observed_.rows);
+    for (Index c = 0; c < model_.num_modes(); ++c) {
+        const double* mode = model_.modes().col(c).data();
+        for (Index j = 0; j < num_rows; ++j) {
+            const LinearRow& row = observed_.rows[j];
+            observed_.along_modes(j, c) =
+                row.normal.dot(Eigen::Map<const Vec3>(mode + 3 * row.position));
+        }
+    }
     for (Index j = 0; j < num_rows; ++j) {
         const LinearRow& row = observed_.rows[j];
-        observed_.along_modes.row(j).head(model_.num_modes()) =
-            row.normal.transpose() * model_.modes().middleRows<3>(3 * row.position);
         const FrameMotion turned = frame_.frame.row(row.place, row.normal);
         observed_.along_modes.row(j).tail(frame_.size()) = turned.head(frame_.size());
         // y_j = n . u_o + (the frame's part) - r_j: the row's value at which its distance is zero
         observed_.target[j] = row.normal.dot(change.segment<3>(3 * row.position)) +
                               turned.dot(frame_.motion) - row.residual_mm;
-        for (Index i = 0; i < j; ++i) noise(j, i) = noise_covariance(row, observed_.rows[i]);
-        noise(j, j) = noise_variance(row);
-        weights[j] = row.weight;
     }
     Eigen::MatrixXd seen_modes = observed_.along_modes;
     Eigen::VectorXd target = observed_.target;
-    // tr D R, y^T D y and V^T G^T D G V: what `fit` compares with its own model (method.md, 4.4)
-    noise_trace_ = weights.dot(noise.diagonal());
-    target_squares_ = weights.dot(target.cwiseAbs2());
-    squares_.setZero(num_modes, num_modes);
-    target_along_modes_.setZero(num_modes);
-    if (num_rows > 0 && num_modes > 0) {
-        const Eigen::MatrixXd weighted = weights.cwiseSqrt().asDiagonal() * seen_modes;
-        squares_.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
-        squares_.triangularView<Eigen::StrictlyUpper>() = squares_.transpose();
-        target_along_modes_ = seen_modes.transpose() * weights.cwiseProduct(target);
-    }
+    noise_trace_ = weights.dot(noise.diagonal());  // tr D R
     // R = L L^T: L^-1 G V and L^-1 y turn R^-1 into plain products.
     const auto noise_factor = cholesky(noise, "covariance of the noise");
     noise_factor.matrixL().solveInPlace(seen_modes);
@@ -224,12 +225,15 @@ LinearisedProblem::Fit LinearisedProblem::fit(const Eigen::VectorXd& theta) cons
     // J P = -G_o V X.
     const auto moved = response.shapes.leftCols(rank());
     const Eigen::VectorXd shape = response.shapes.col(rank()) + moved * response.motion;
-    result.slice_share =
-        slice_share_of(observed_.rows, observed_.target + observed_.along_modes * shape);
-    result.misfit_mm2 = target_squares_ + shape.dot(2.0 * target_along_modes_ + squares_ * shape);
-    result.expected_misfit_mm2 =
-        noise_trace_ -
-        response.inner.solve(moved.transpose() * (squares_ * moved)).diagonal().sum();
+    const Eigen::VectorXd residual = observed_.target + observed_.along_modes * shape;
+    result.slice_share = slice_share_of(observed_.rows, residual);
+    const Eigen::VectorXd weights = weights_of(observed_.rows);
+    result.misfit_mm2 = weights.dot(residual.cwiseAbs2());
+    // tr(M^-1 (J P)^T D J P) = |L^-1 (J P)^T D^1/2|^2, M = L L^T
+    Eigen::MatrixXd explained =
+        (observed_.along_modes * moved).transpose() * weights.cwiseSqrt().asDiagonal();
+    response.inner.matrixL().solveInPlace(explained);
+    result.expected_misfit_mm2 = noise_trace_ - explained.squaredNorm();
     const Eigen::VectorXd force =
         -(model_.coupling(response.kpa).transpose() *
           response.equilibrium.solve(response.pull.head(model_.num_modes())));

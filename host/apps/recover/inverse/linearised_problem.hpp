@@ -106,13 +106,9 @@ private:
     Eigen::VectorXd pull_of_target_;    ///< V^T G_o^T R^-1 y [modes]
     double target_misfit_ = 0;          ///< y^T R^-1 y
     double noise_log_determinant_ = 0;  ///< ln det R
-    // The same, but D in place of R^-1: only the weights of the rows.
-    Eigen::MatrixXd squares_;             ///< V^T G_o^T D G_o V [modes, modes]
-    Eigen::VectorXd target_along_modes_;  ///< V^T G_o^T D y [modes]
-    double target_squares_ = 0;           ///< y^T D y
-    double noise_trace_ = 0;              ///< tr D R
-    Eigen::VectorXd mean_;                ///< N m, or N (m - u_d*)
-    Eigen::MatrixXd spread_root_;         ///< P [functionals, rank], P P^T = N H^-1 N^T
+    double noise_trace_ = 0;            ///< tr D R, D the weights of the rows
+    Eigen::VectorXd mean_;              ///< N m, or N (m - u_d*)
+    Eigen::MatrixXd spread_root_;       ///< P [functionals, rank], P P^T = N H^-1 N^T
     /// What of the frame's motion belongs to the columns of [P | N m], [6 or 0, rank + 1]: -L, and
     /// minus its mean (modes count backwards: J c = -G_o V x).
     Eigen::MatrixXd frame_shapes_;

@@ -225,13 +225,11 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         const double moved = largest(best.fit.driven - state.driven);
         const Eigen::VectorXd theta_before = state.theta;
         bool improved = true;
-        state = recounted(accelerated_step(state, best, acceleration, improved));
+        state = accelerated_step(state, best, acceleration, improved);
+        if (is_noise_open) noise_.take_terraces(state.seen);
+        state = recounted(std::move(state));
         record(k, state, best, moved);
         termination.iterations = k;
-        if (is_noise_open) {
-            noise_.take_terraces(state.seen);
-            state = recounted(state);
-        }
         if (k + 1 == options_.noise_iterations && is_noise_open && is_scanned) {
             state = with_fitted_walls(state);
             acceleration.reset();

@@ -265,7 +265,7 @@ private:
         const auto equilibrium = equilibrium_at(kpa);
         const Index most = std::min(model_.driven_dofs(), model_.observed_dofs());
         Eigen::MatrixXd basis;
-        for (Index count = std::min<Index>(most, 480);; count = std::min<Index>(most, 2 * count)) {
+        for (Index count = std::min<Index>(most, 720);; count = std::min<Index>(most, 2 * count)) {
             check_cancelled(progress_);
             const Eigen::MatrixXd forces =
                 model_.coupling_times(kpa, prior_.samples(count, options_.seed));

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/apps/recover/inverse/reduced_model.hpp"
+#include "host/apps/recover/inverse/row_correlations.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
 
@@ -29,13 +30,8 @@ double huber_loss(double z) {
 
 /// The part of R that rows share.
 Eigen::MatrixXd correlated_part(const std::vector<LinearRow>& rows) {
-    const Index n = static_cast<Index>(rows.size());
-    Eigen::MatrixXd shared(n, n);
-    for (Index j = 0; j < n; ++j) {
-        shared(j, j) = correlated_variance(rows[j]);
-        for (Index i = j + 1; i < n; ++i)
-            shared(i, j) = shared(j, i) = noise_covariance(rows[i], rows[j]);
-    }
+    Eigen::MatrixXd shared = noise_matrix(rows);
+    for (std::size_t k = 0; k < rows.size(); ++k) shared(k, k) = correlated_variance(rows[k]);
     return shared;
 }
 
@@ -100,6 +96,7 @@ SurfaceNoise::SurfaceNoise(const SurfaceObservations& observations) : observatio
             row.slices[v] = slice_place(volumes[v], seen.place, seen.facing);
         rows_.push_back(row);
     }
+    remember_correlations(rows_);
     set_level({});
     read_frame(observations.frame_evidence());
 }

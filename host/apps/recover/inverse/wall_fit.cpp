@@ -98,7 +98,7 @@ std::vector<Distances> distances_of(const WallPrior& prior, const std::vector<Li
         const Index n = static_cast<Index>(wall.rows.size());
         wall.along.resize(n);
         wall.wanted.resize(n);
-        wall.noise.resize(n, n);
+        wall.noise = noise_matrix(wall.rows);
         wall.apart_mm.resize(n, n);
         for (Index j = 0; j < n; ++j) {
             const LinearRow& row = wall.rows[j];
@@ -108,11 +108,8 @@ std::vector<Distances> distances_of(const WallPrior& prior, const std::vector<Li
             wall.wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
                              frame.frame.row(row.place, row.normal).dot(frame.motion) -
                              row.residual_mm;
-            for (Index i = j; i < n; ++i) {
+            for (Index i = j; i < n; ++i)
                 wall.apart_mm(i, j) = (wall.rows[i].place - row.place).norm();
-                wall.noise(i, j) =
-                    i == j ? noise_variance(row) : noise_covariance(wall.rows[i], row);
-            }
         }
         if (n == 0) continue;
         const auto motions =

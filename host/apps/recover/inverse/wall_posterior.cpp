@@ -32,7 +32,7 @@ WallPosterior::WallPosterior(const WallPrior& prior, const std::vector<LinearRow
             wall_of[wall.nodes[k]] = static_cast<Index>(w);
             place[wall.nodes[k]] = static_cast<Index>(k);
         }
-        parts_.push_back({&wall, {}, {}, {}, {}});
+        parts_.emplace_back().wall = &wall;
     }
     for (const LinearRow& row : rows) {
         if (!row.on_driven) continue;
@@ -61,11 +61,7 @@ void WallPosterior::find_frame(const FramePrior& frame) {
         const Eigen::MatrixXd weights = part.gram.solve(turned);
         precision += turned.transpose() * weights;
         pull += weights.transpose() * part.wanted;
-        for (int c = 0; c < 6; ++c) {
-            Eigen::VectorXd column = frame_spread_.col(c);
-            add_spread_back(part, weights.col(c), 1.0, column);
-            frame_spread_.col(c) = column;
-        }
+        add_spread_back(part, weights, 1.0, frame_spread_);
     }
     const Eigen::LLT<FramePrior::Covariance> factor(precision);  // M = U^T U, L = U^-1
     frame_mean_ = factor.solve(pull);
@@ -79,13 +75,12 @@ void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven, const F
     if (n == 0) return;
     Eigen::Matrix<double, Eigen::Dynamic, 3> normals(n, 3);
     for (Index j = 0; j < n; ++j) normals.row(j) = part.rows[j].normal;
-    Eigen::MatrixXd gram = part.wall->covariance_along(part.place, normals);
+    const Eigen::MatrixXd gram =
+        part.wall->covariance_along(part.place, normals) + noise_matrix(part.rows);
     Eigen::VectorXd& wanted = part.wanted;
     wanted.resize(n);
     for (Index j = 0; j < n; ++j) {
         const LinearRow& row = part.rows[j];
-        for (Index i = j; i < n; ++i)
-            gram(i, j) += i == j ? noise_variance(row) : noise_covariance(part.rows[i], row);
         // K = G C G^T + R, y_j = n . u_d + (the frame's part) - r_j, m = C G^T K^-1 y
         wanted[j] = row.normal.dot(driven.segment<3>(3 * row.position)) +
                     frame.frame.row(row.place, row.normal).dot(frame.motion) - row.residual_mm;
@@ -94,17 +89,20 @@ void WallPosterior::condition(Rows& part, const Eigen::VectorXd& driven, const F
     add_spread_back(part, part.gram.solve(wanted), 1.0, mean_);
 }
 
-/// result += scale S G^T w for the rows of one wall; touches its nodes only.
-void WallPosterior::add_spread_back(const Rows& part, const Eigen::VectorXd& weights, double scale,
-                                    Eigen::VectorXd& result) const {
-    Eigen::MatrixXd along = Eigen::MatrixXd::Zero(part.wall->nodes.size(), 3);
-    for (std::size_t i = 0; i < part.rows.size(); ++i) {
-        along.row(part.place[i]) += weights[i] * part.rows[i].normal.transpose();
-    }
+/// result += scale S G^T W for the rows of one wall; touches its nodes only.
+void WallPosterior::add_spread_back(const Rows& part, const Eigen::MatrixXd& weights, double scale,
+                                    Eigen::Ref<Eigen::MatrixXd> result) const {
+    const Eigen::Index count = weights.cols();
+    // The components side by side, as `times` takes them.
+    Eigen::MatrixXd along = Eigen::MatrixXd::Zero(part.wall->nodes.size(), 3 * count);
+    for (std::size_t i = 0; i < part.rows.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            along.row(part.place[i]).segment(c * count, count) +=
+                part.rows[i].normal[c] * weights.row(i);
     const Eigen::MatrixXd spread = scale * part.wall->times(along);
-    for (std::size_t k = 0; k < part.wall->nodes.size(); ++k) {
-        result.segment<3>(3 * part.wall->nodes[k]) += spread.row(k);
-    }
+    for (std::size_t k = 0; k < part.wall->nodes.size(); ++k)
+        for (int c = 0; c < 3; ++c)
+            result.row(3 * part.wall->nodes[k] + c) += spread.row(k).segment(c * count, count);
 }
 
 Eigen::MatrixXd WallPosterior::covariance_of(const Eigen::MatrixXd& spread,

@@ -51,8 +51,8 @@ private:
     };
     void condition(Rows& part, const Eigen::VectorXd& driven, const FramePrior& frame);
     void find_frame(const FramePrior& frame);
-    void add_spread_back(const Rows& part, const Eigen::VectorXd& weights, double scale,
-                         Eigen::VectorXd& result) const;
+    void add_spread_back(const Rows& part, const Eigen::MatrixXd& weights, double scale,
+                         Eigen::Ref<Eigen::MatrixXd> result) const;
 
     const WallPrior& prior_;
     std::vector<Rows> parts_;

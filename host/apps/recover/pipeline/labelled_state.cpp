@@ -13,13 +13,14 @@ namespace {
 /// Distance maps of the organs with the given role(s), in settings order.
 template <typename Wanted>
 std::vector<DistanceMap> maps_of(const LabelField& field, const Settings& settings,
-                                 const Wanted& wanted) {
+                                 double margin_mm, const Wanted& wanted) {
     std::vector<std::future<DistanceMap>> maps;
     for (std::size_t k = 0; k < settings.organs.size(); ++k) {
         if (!wanted(settings.organs[k])) continue;
         const Index region = first_organ_region + static_cast<Index>(k);
-        maps.push_back(std::async(std::launch::async,
-                                  [&field, region] { return DistanceMap(field, region); }));
+        maps.push_back(std::async(std::launch::async, [&field, region, margin_mm] {
+            return DistanceMap(field, region, margin_mm);
+        }));
     }
     std::vector<DistanceMap> done;
     for (auto& map : maps) done.push_back(map.get());
@@ -40,12 +41,13 @@ LabelledState make_state(const Segmentation& segmentation, const Settings& setti
     return {segmentation.name, std::move(regions), std::move(field), std::move(warnings)};
 }
 
-std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings) {
-    return maps_of(field, settings, is_matched);
+std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings,
+                                         double margin_mm) {
+    return maps_of(field, settings, margin_mm, is_matched);
 }
 
 std::vector<DistanceMap> maps_of_fixed(const LabelField& field, const Settings& settings) {
-    return maps_of(field, settings, is_fixed);
+    return maps_of(field, settings, target_margin_mm, is_fixed);
 }
 
 }  // namespace palpate

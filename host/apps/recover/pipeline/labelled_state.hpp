@@ -26,8 +26,14 @@ LabelledState make_state(const Segmentation& segmentation, const Settings& setti
 bool is_matched(const OrganSettings& organ);
 bool is_fixed(const OrganSettings& organ);
 
-/// Distance maps of the organs that are matched (every organ that is not fixed), settings order.
-std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings);
+/// How far maps reach beyond an organ, mm: of what measures its own nodes, and what others.
+constexpr double own_margin_mm = 5;
+constexpr double target_margin_mm = 20;
+
+/// Distance maps of the organs that are matched (every organ that is not fixed), settings order;
+/// those of a target are asked farther out than the nodes of a reference lie from its own surface.
+std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings,
+                                         double margin_mm = target_margin_mm);
 /// The same of the fixed organs.
 std::vector<DistanceMap> maps_of_fixed(const LabelField& field, const Settings& settings);
 

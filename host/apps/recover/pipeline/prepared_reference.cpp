@@ -45,7 +45,7 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
                                     StageTimer& timer, const ProgressSink& progress) {
     timer.start("meshing");
     auto maps = std::async(std::launch::async, [&] {
-        return maps_of_matched(reference.state.field, options.settings);
+        return maps_of_matched(reference.state.field, options.settings, own_margin_mm);
     });
     MesherSummary mesher;
     BodyMesh mesh = mesh_of(options, reference, mesher, progress);

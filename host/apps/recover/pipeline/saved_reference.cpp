@@ -231,8 +231,9 @@ ReferenceState reference_state(const SavedReference& saved, LabelledState state)
 PreparedReference restore(SavedReference saved, ReferenceState reference,
                           const RecoverOptions& options) {
     const Settings& settings = options.settings;
-    auto maps = std::async(std::launch::async,
-                           [&] { return maps_of_matched(reference.state.field, settings); });
+    auto maps = std::async(std::launch::async, [&] {
+        return maps_of_matched(reference.state.field, settings, own_margin_mm);
+    });
     Mechanics mechanics = blaming_file(saved, [&] { return mechanics_of(saved, settings); });
     auto done = maps.get();
     auto full_solver = start_full_solver(mechanics.recovery, options.solver);
