@@ -3,10 +3,25 @@
 #include "host/apps/recover/inverse/linear_row.hpp"
 
 #include <cmath>
-
-#include "host/apps/recover/inverse/row_correlations.hpp"
+#include <map>
+#include <utility>
 
 namespace palpate {
+namespace {
+
+/// noise_covariance of two rows whose correlations were computed before.
+double known_covariance(const LinearRow& a, const LinearRow& b) {
+    const RowCorrelations& known = *a.known;
+    const Index i = a.place_in_known, j = b.place_in_known;
+    double sum = a.contour_mm * b.contour_mm * known.of_contours(i, j, a.slice_share);
+    for (int k = 0; k < max_terraces; ++k) {
+        const double wave = a.terraces.waves.col(k).dot(b.terraces.waves.col(k));
+        if (wave != 0) sum += wave * known.of_terraces(i, j, k);
+    }
+    return sum;
+}
+
+}  // namespace
 
 double contour_correlation(const LinearRow& a, const LinearRow& b) {
     const double distance = (a.place - b.place).norm(), share = a.slice_share;
@@ -31,7 +46,7 @@ double terrace_covariance(const LinearRow& a, const LinearRow& b, double distanc
 
 double noise_covariance(const LinearRow& a, const LinearRow& b) {
     if (a.surface != b.surface) return 0;
-    if (a.known && a.known == b.known) return a.known->noise_covariance(a, b);
+    if (a.known && a.known == b.known) return known_covariance(a, b);
     return a.contour_mm * b.contour_mm * contour_correlation(a, b) +
            terrace_covariance(a, b, (a.place - b.place).norm());
 }
@@ -46,6 +61,26 @@ double correlated_variance(const LinearRow& row) {
 
 double noise_variance(const LinearRow& row) {
     return row.independent_mm * row.independent_mm + correlated_variance(row);
+}
+
+void remember_correlations(std::vector<LinearRow>& rows) {
+    std::map<std::pair<Index, bool>, std::vector<Index>> groups;
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        groups[{rows[k].surface, rows[k].on_driven}].push_back(static_cast<Index>(k));
+    for (const auto& [surface, members] : groups) {
+        std::vector<Vec3> places;
+        std::vector<SlicePlaces> slices;
+        for (const Index k : members) {
+            places.push_back(rows[k].place);
+            slices.push_back(rows[k].slices);
+        }
+        const auto known =
+            std::make_shared<const RowCorrelations>(places, slices, rows[members[0]].range_mm);
+        for (std::size_t m = 0; m < members.size(); ++m) {
+            rows[members[m]].known = known;
+            rows[members[m]].place_in_known = static_cast<Index>(m);
+        }
+    }
 }
 
 Eigen::MatrixXd noise_matrix(const std::vector<LinearRow>& rows) {

@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "host/apps/recover/inverse/contour_kernel.hpp"
+#include "host/apps/recover/inverse/row_correlations.hpp"
 #include "host/apps/recover/objectives/target_frame.hpp"
 #include "host/apps/recover/objectives/voxel_terraces.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {
-
-class RowCorrelations;
 
 /// One surface distance, linearised: residual + normal . (u - u_linearised), with noise that is in
 /// part independent from row to row and in part correlated along the surface.
@@ -65,6 +64,10 @@ double contour_variance(const LinearRow& row);
 double correlated_variance(const LinearRow& row);
 
 double noise_variance(const LinearRow& row);
+
+/// Gives each row the correlations of its surface; rows on driven nodes and on observed ones have
+/// their own.
+void remember_correlations(std::vector<LinearRow>& rows);
 
 /// R [num rows, num rows] mm^2: the noise of all rows.
 Eigen::MatrixXd noise_matrix(const std::vector<LinearRow>& rows);

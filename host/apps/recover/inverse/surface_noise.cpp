@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "host/apps/recover/inverse/reduced_model.hpp"
-#include "host/apps/recover/inverse/row_correlations.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
 
