@@ -13,6 +13,7 @@
 #include "host/apps/recover/pipeline/recover.hpp"
 #include "host/apps/recover/report/result_folder.hpp"
 #include "host/apps/recover/run/recover_table.hpp"
+#include "host/cohort/case_card.hpp"
 #include "host/cohort/cohort_folder.hpp"
 #include "host/cohort/kept_result.hpp"
 #include "host/cohort/recover_choice.hpp"
@@ -162,13 +163,17 @@ private:
         record.peak_memory_mb = peak_memory_mb();
         record.device = result.device.device;
         record.host = host_name();
+        record.flags = flags_of_result(result);
         for (const RegionResult& region : result.regions)
             if (region.unknown) record.regions.push_back(region_record(region, result));
         const fs::path patient_folder = folder_.patient_folder(patient_);
         if (plan_.keep == KeptFiles::compact)
             record.mesh = keep_mesh(result, body_, patient_folder / "reference");
-        write_case(patient_folder / c.id, record,
-                   [&](const fs::path& inside) { write_kept_result(result, plan_.keep, inside); });
+        write_case(patient_folder / c.id, record, [&](const fs::path& inside) {
+            write_kept_result(result, plan_.keep, inside);
+            const std::string card = case_card(result);
+            if (!card.empty()) write_text_file(inside / case_card_name, card);
+        });
         tell_({PatientEvent::Kind::done, c.id, 0, "", record});
     }
 
