@@ -17,7 +17,7 @@ constexpr double card_width = 600, gap = 12;  // units of the picture
 constexpr double margin_mm = 6;
 constexpr double tolerance = 0.8;  // units
 
-constexpr const char* style =
+constexpr const char* card_style =
     "path{fill:none;stroke-linejoin:round;stroke-linecap:round}.r{fill-opacity:.22}"
     ".t{stroke:#93a0ab;stroke-width:4.4}.m{stroke-width:2}"
     "text{font:11px system-ui,sans-serif;fill:#5a6670}"
@@ -134,7 +134,7 @@ std::string card_svg(const std::vector<CardOrgan>& organs, const Vec3& at) {
     return fmt::format(
         "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {:.0f} {:.0f}'><style>"
         "{}</style>{}</svg>\n",
-        card_width, std::ceil(height), style, out);
+        card_width, std::ceil(height), card_style, out);
 }
 
 std::string case_card(const RecoveryResult& result) {

@@ -15,7 +15,7 @@ struct FlagTerms {
     const char* name;
     int weight;
 };
-constexpr std::array<FlagTerms, num_case_flags> terms{{{"failed", 100},
+constexpr std::array<FlagTerms, num_case_flags> terms{{{"failed", 0},
                                                        {"not converged", 60},
                                                        {"mesh folds", 40},
                                                        {"images are the same", 40},
@@ -63,6 +63,7 @@ std::optional<CaseFlag> case_flag_of(std::string_view name) {
 }
 
 int badness(CaseFlags flags) {
+    if (flags.has(CaseFlag::failed)) return -1;
     int sum = 0;
     for (std::size_t k = 0; k < terms.size(); ++k)
         if (flags.has(static_cast<CaseFlag>(k))) sum += terms[k].weight;

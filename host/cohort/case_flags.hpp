@@ -45,7 +45,8 @@ private:
 /// As people read it.
 const char* name_of(CaseFlag flag);
 std::optional<CaseFlag> case_flag_of(std::string_view name);
-/// Sorts cases, the worst first: the sum of what each flag weighs.
+/// Sorts cases, the worst first: the sum of what each flag weighs. Those that failed come last:
+/// there is nothing to see of them.
 int badness(CaseFlags flags);
 
 /// Those that a result by itself shows: all but `failed`, `unlike_the_others` and `slow`.

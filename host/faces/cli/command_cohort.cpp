@@ -175,15 +175,27 @@ void add_status(CLI::App& app, Run& run) {
 void add_collect(CLI::App& app, Run& run) {
     auto folder = std::make_shared<std::string>();
     auto mixed = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("collect", "Write pairs.tsv, patients.tsv, index.html");
+    auto ratings = std::make_shared<std::string>();
+    CLI::App* command =
+        app.add_subcommand("collect", "Write pairs.tsv, patients.tsv, index.html, gallery.html");
     command->add_option("cohort", *folder, "Its folder")->required()->type_name("FOLDER");
     command->add_flag("--mixed", *mixed, "Also results of other settings or inputs");
-    command->callback([folder, mixed, &run] {
-        run = [folder, mixed] {
-            const CohortStatus status = collect_cohort(*folder, *mixed, console_progress(false));
+    command
+        ->add_option("--ratings", *ratings,
+                     "What a person said of cases in the gallery; default: COHORT/ratings.tsv")
+        ->type_name("FILE");
+    command->callback([folder, mixed, ratings, &run] {
+        run = [folder, mixed, ratings] {
+            const CollectedCohort collected =
+                collect_cohort({*folder, *mixed, *ratings}, console_progress(false));
             end_progress_line();
-            fmt::print("{}page: {}/index.html, tables: {}/pairs.tsv, {}/patients.tsv\n",
-                       status_text(status), *folder, *folder, *folder);
+            fmt::print(
+                "{}page: {}/index.html, gallery: {}/gallery.html, tables: {}/pairs.tsv, "
+                "{}/patients.tsv\n",
+                status_text(collected.status), *folder, *folder, *folder, *folder);
+            if (collected.unused_ratings > 0)
+                fmt::print("{} ratings are of results that are no longer there, and not used\n",
+                           collected.unused_ratings);
             return 0;
         };
     });

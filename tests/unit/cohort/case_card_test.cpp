@@ -62,11 +62,13 @@ TEST(CaseFlags, HaveNamesThatLeadBack) {
 }
 
 TEST(CaseFlags, AreWorseTheGraverTheyAre) {
-    CaseFlags weak, failed;
+    CaseFlags weak, folded, failed;
     weak.add(CaseFlag::weak);
+    folded.add(CaseFlag::folded);
     failed.add(CaseFlag::failed);
-    EXPECT_GT(badness(failed), badness(weak));
+    EXPECT_GT(badness(folded), badness(weak));
     EXPECT_GT(badness(weak), badness({}));
+    EXPECT_LT(badness(failed), badness({}));  // there is no picture of it
 }
 
 TEST(CaseFlags, FindTheOneUnlikeTheOthers) {

@@ -10,9 +10,9 @@
 
 #include "host/cohort/case_record.hpp"
 #include "host/cohort/claim.hpp"
-#include "host/cohort/collect.hpp"
 #include "host/cohort/content_key.hpp"
 #include "host/cohort/patient_queue.hpp"
+#include "host/cohort/plain_statistics.hpp"
 #include "host/cohort/plan_rows.hpp"
 #include "host/cohort/shards.hpp"
 #include "host/io/delimited_text.hpp"
