@@ -8,8 +8,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/cohort/case_states.hpp"
 #include "host/cohort/cohort_page.hpp"
 #include "host/cohort/cohort_tables.hpp"
+#include "host/cohort/plan_file.hpp"
 #include "host/cohort/ratings.hpp"
 #include "host/system/version.hpp"
 #include "solver/base/error.hpp"
@@ -198,17 +200,18 @@ Ratings ratings_for(const CollectRequest& request) {
 
 CollectedCohort collect_cohort(const CollectRequest& request, const ProgressSink& progress) {
     const CohortFolder folder(request.cohort);
-    const CohortPlan plan = read_plan(request.cohort);
-    const Journals journals(folder);
+    const PlanFile plan(request.cohort);
+    const CaseStates all(folder);
     Ratings ratings = ratings_for(request);
     Collection collection(folder, ratings);
     CohortView& view = collection.view;
-    view.status.patients = plan.patients.size();
-    view.status.bad_rows_left_out = plan.num_bad_rows;
-    for (std::size_t k = 0; k < plan.patients.size(); ++k) {
-        report_progress(progress, "collecting", double(k) / double(plan.patients.size()),
-                        fmt::format("{} of {} patients", k, plan.patients.size()));
-        collection.add(plan.patients[k], states_of(folder, journals, plan.patients[k]));
+    view.status.patients = plan.num_patients();
+    view.status.bad_rows_left_out = plan.head().num_bad_rows;
+    for (std::size_t k = 0; k < plan.num_patients(); ++k) {
+        report_progress(progress, "collecting", double(k) / double(plan.num_patients()),
+                        fmt::format("{} of {} patients", k, plan.num_patients()));
+        const CohortPatient patient = plan.patient(k);
+        collection.add(patient, all.of(patient, true));
     }
     const std::size_t stale = view.status.count(CaseStatus::stale);
     if (stale > 0 && !request.mixed)

@@ -31,4 +31,15 @@ struct KeyParts {
 /// about where and how fast it is computed.
 std::string case_key(const KeyParts& parts);
 
+/// The same for many cases whose settings and options are those of `parts`.
+class CaseKeys {
+public:
+    explicit CaseKeys(const KeyParts& parts);
+    std::string key(const std::string& reference_sha256, const std::string& target_sha256,
+                    const std::string& transform_sha256) const;
+
+private:
+    std::string before_reference_, before_target_, before_transform_;
+};
+
 }  // namespace palpate

@@ -18,6 +18,8 @@ namespace {
 constexpr double width = 1000, names_width = 150, counts_width = 110;
 constexpr double room = 1.12, row_gap = 14, line_height = 5, least_row = 26;
 constexpr double tail = 0.01;  // of the intervals' ends beyond the axis, on each side
+constexpr double top_margin = 22;
+constexpr double tall = 300;  // gets ticks at its top, too
 constexpr int num_bins = 40;
 constexpr double bins_height = 110;
 
@@ -35,9 +37,14 @@ std::string grid_svg(const StripAxis& axis, const Across& x, double height) {
     std::string out;
     for (const double v : tick_values({axis.low, axis.high, true, ""}))
         out += fmt::format(
-            "<path class='grid' d='M{0:.1f} 4V{1:.1f}'/><text class='tick' x='{0:.1f}' y='{2:.1f}' "
+            "<path class='grid' d='M{0:.1f} {4:.1f}V{1:.1f}'/><text class='tick' x='{0:.1f}' "
+            "y='{2:.1f}' "
             "text-anchor='middle'>{3:.6g}</text>",
-            x(v), height + 4, height + 18, v);
+            x(v), height + 4, height + 18, v, top_margin - 4);
+    if (height > tall)
+        for (const double v : tick_values({axis.low, axis.high, true, ""}))
+            out += fmt::format(
+                "<text class='tick' x='{:.1f}' y='12' text-anchor='middle'>{:.6g}</text>", x(v), v);
     return out + fmt::format(
                      "<text class='label' x='{:.1f}' y='{:.1f}' text-anchor='middle'>"
                      "Young's modulus E, kPa</text>",
@@ -95,7 +102,7 @@ std::string strips_svg(std::span<const PatientStrip> strips, const StripAxis& ax
     if (!(axis.low > 0) || strips.empty()) return "";
     const Across x{axis, names_width, width - counts_width};
     std::string rows;
-    double top = 4;
+    double top = top_margin;
     for (const PatientStrip& strip : strips) {
         const double height = row_height(strip), middle = top + height / 2;
         rows += fmt::format(
@@ -140,14 +147,15 @@ std::string medians_svg(const std::vector<PatientStrip>& strips, const StripAxis
         bars += fmt::format(
             "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' style='fill:var(--accent);"
             "fill-opacity:.6'><title>{} patients</title></rect>",
-            x.left + k * step + 0.5, 4 + bins_height - height, step - 1, height,
+            x.left + k * step + 0.5, top_margin + bins_height - height, step - 1, height,
             counts[std::size_t(k)]);
     }
     return fmt::format(
         "<svg class='plot wide' viewBox='0 0 {} {}' role='img' aria-label='Patients "
         "by their median'>{}<text class='name' x='0' y='20'>patients</text><text "
         "x='0' y='36'>highest bar: {}</text>{}</svg>",
-        width, bins_height + 46, grid_svg(axis, x, bins_height + 4), most, bars);
+        width, top_margin + bins_height + 42, grid_svg(axis, x, top_margin + bins_height), most,
+        bars);
 }
 
 }  // namespace palpate

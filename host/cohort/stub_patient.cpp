@@ -84,20 +84,20 @@ void misbehave(const CohortFolder& folder, const CohortPatient& patient, const C
 
 }  // namespace
 
-int run_stub_patient(const CohortPlan& plan, const PatientJob& job, const TellEvent& tell) {
+int run_stub_patient(const PlanFile& plan, const PatientJob& job, const TellEvent& tell) {
     const CohortFolder folder(job.cohort);
-    const CohortPatient& patient = plan.patient(job.patient);
+    const CohortPatient patient = plan.patient(job.patient);
     for (const CohortCase* c : cases_of(patient, job)) {
         if (folder.state_of(patient, *c).status == CaseStatus::done) continue;
         tell({PatientEvent::Kind::started, c->id});
-        sleep_stub(*plan.test_stub_s);
+        sleep_stub(*plan.head().test_stub_s);
         misbehave(folder, patient, *c);
         if (c->id.starts_with("fail-")) {
             tell({PatientEvent::Kind::failed, c->id, c->id[5] - '0', "the test stub was asked to"});
             continue;
         }
         CaseRecord record{patient.id, c->id, c->key, version_text()};
-        record.seconds = *plan.test_stub_s;
+        record.seconds = *plan.head().test_stub_s;
         record.peak_memory_mb = peak_memory_mb();
         record.device = "test stub";
         record.host = host_name();

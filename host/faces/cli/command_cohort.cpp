@@ -30,6 +30,7 @@ struct PlanArguments {
 struct RunArguments {
     std::string cohort, shard = "1/1", progress = "bar";
     int jobs = 1;
+    std::vector<std::string> only;
     bool retry_failed = false;
 };
 
@@ -102,6 +103,7 @@ int run_whole(const RunArguments& a) {
     options.program = std::filesystem::read_symlink("/proc/self/exe");
     options.shard = shard_of(a.shard, [](const char* name) { return std::getenv(name); });
     options.jobs = a.jobs;
+    options.only = a.only;
     options.retry_failed = a.retry_failed;
     if (a.progress == "json")
         options.tell_case = [](const std::string& line) {
@@ -128,6 +130,7 @@ void add_run(CLI::App& app, Run& run) {
     command->add_option("--jobs", a->jobs, "Patients at a time, a core each")
         ->check(CLI::Range(1, 4096))
         ->capture_default_str();
+    command->add_option("--only", a->only, "These participants, not all")->type_name("ID");
     command->add_flag("--retry-failed", a->retry_failed, "Also cases that failed for good");
     command->add_option("--progress", a->progress, "bar, json (a line a case) or none")
         ->check(CLI::IsMember({"bar", "json", "none"}))
@@ -142,8 +145,8 @@ int run_one(const PatientJob& job) {
         if (::write(STDOUT_FILENO, line.data(), line.size()) != ssize_t(line.size()))
             throw Error(ErrorCode::cancelled, "the runner is gone");
     };
-    const CohortPlan plan = read_plan(job.cohort);
-    if (plan.test_stub_s) return run_stub_patient(plan, job, tell);
+    const PlanFile plan(job.cohort);
+    if (plan.head().test_stub_s) return run_stub_patient(plan, job, tell);
     return run_patient(job, tell, console_progress(false));
 }
 
