@@ -40,7 +40,7 @@ def call(folder, level, *more):
 
 
 def first_level(data_set, *more):
-    return call(folder, "participant", "--settings", str(folder / "organs.toml"), "--pattern", "*_dseg.nii", "--test-stub", "0", *more)
+    return call(data_set, "participant", "--settings", str(data_set / "organs.toml"), "--pattern", "*_dseg.nii", "--test-stub", "0", *more)
 
 
 def rows_of(path):
@@ -71,7 +71,7 @@ def test_the_descriptor_has_every_option():
     descriptor = json.loads((pathlib.Path(bids.__file__).parent / "palpate-bids.boutiques.json").read_text())
     flags = {entry["command-line-flag"] for entry in descriptor["inputs"] if "command-line-flag" in entry}
     told = subprocess.run([sys.executable, "-m", "palpate.cohort.bids", "--help"], capture_output=True, text=True).stdout
-    assert flags == set(re.findall(r"(?<=[ \[])--[a-z_-]+", told)) - {"--help"}
+    assert flags == set(re.findall(r"(?<=[ \[])--[a-z_-]+", told)) - {"--help", "--program"}
     keys = [entry["value-key"] for entry in descriptor["inputs"]]
     assert " ".join(["palpate-bids", *keys]) == descriptor["command-line"]
 
