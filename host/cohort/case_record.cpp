@@ -26,6 +26,20 @@ double number_in(const Json& json, const char* name) {
     return found != json.end() && found->is_number() ? found->get<double>() : RegionRecord::none;
 }
 
+Json flags_json(CaseFlags flags) {
+    Json names = Json::array();
+    for (std::size_t k = 0; k < num_case_flags; ++k)
+        if (flags.has(static_cast<CaseFlag>(k))) names.push_back(name_of(static_cast<CaseFlag>(k)));
+    return names;
+}
+
+CaseFlags flags_of(const Json& names) {
+    CaseFlags flags;
+    for (const Json& name : names)
+        if (const auto flag = case_flag_of(name.get<std::string>())) flags.add(*flag);
+    return flags;
+}
+
 Json region_json(const RegionRecord& region) {
     Json json{{"region", region.region}, {"verdict", region.verdict}};
     for (const auto& [name, member] : region_numbers)
@@ -56,6 +70,7 @@ std::string record_line(const CaseRecord& r) {
               {"device", r.device},
               {"host", r.host},
               {"mesh", r.mesh},
+              {"flags", flags_json(r.flags)},
               {"regions", Json::array()}};
     for (const RegionRecord& region : r.regions) json["regions"].push_back(region_json(region));
     return json.dump(-1, ' ', false, replace_bad_text);
@@ -74,6 +89,7 @@ std::optional<CaseRecord> record_of(const std::string& text) {
         r.device = json.at("device");
         r.host = json.at("host");
         r.mesh = json.at("mesh");
+        r.flags = flags_of(json.at("flags"));
         for (const Json& region : json.at("regions")) r.regions.push_back(region_of(region));
         return r;
     } catch (const Json::exception&) {

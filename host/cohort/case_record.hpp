@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "host/cohort/case_flags.hpp"
+
 namespace palpate {
 
 /// What the tables tell of one unknown region of a case; NaN where there is no number.
@@ -27,6 +29,7 @@ struct CaseRecord {
     double seconds = 0, peak_memory_mb = 0;
     std::string device = {}, host = {};
     std::string mesh = {};  ///< file in the patient's folder `reference`; empty: none is kept
+    CaseFlags flags = {};   ///< that the result by itself shows
     std::vector<RegionRecord> regions = {};
 };
 

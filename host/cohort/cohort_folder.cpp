@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/cohort/cohort_folder.hpp"
 
-#include <dirent.h>
 #include <fmt/core.h>
-#include <sys/stat.h>
 
 #include <array>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "host/cohort/content_key.hpp"
 #include "host/io/output_folder.hpp"
@@ -27,16 +24,6 @@ std::string two_digits(const CohortPatient& patient) { return sha256_of(patient.
 std::string whole_text(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
-}
-
-std::map<std::string, std::uint64_t> inodes_in(const fs::path& folder) {
-    std::map<std::string, std::uint64_t> found;
-    DIR* open = ::opendir(folder.c_str());
-    if (!open) return found;
-    while (const dirent* entry = ::readdir(open))
-        if (entry->d_name[0] != '.') found.emplace(entry->d_name, entry->d_ino);
-    ::closedir(open);
-    return found;
 }
 
 CaseState state_of_record(std::optional<CaseRecord> record, const std::string& key) {
@@ -93,60 +80,6 @@ CaseState CohortFolder::state_of(const CohortPatient& patient, const CohortCase&
         state = state_of_record(std::move(record), c.key);
     if (state.status == CaseStatus::done || state.status == CaseStatus::not_converged) return state;
     return without_result(*this, patient, c, std::move(state));
-}
-
-Journals::Journals(const CohortFolder& folder) {
-    std::error_code failed;
-    for (const auto& file : fs::directory_iterator(folder.path() / "journal", failed)) {
-        std::ifstream in(file.path(), std::ios::binary);
-        for (std::string line; std::getline(in, line);) {
-            const std::size_t space = line.find(' ');
-            auto record =
-                space == std::string::npos ? std::nullopt : record_of(line.substr(space + 1));
-            if (!record) continue;
-            const std::uint64_t inode = std::strtoull(line.c_str(), nullptr, 10);
-            auto& rows = rows_[record->patient][record->case_id];
-            const auto [found, is_new] = rows.try_emplace(inode);
-            found->second.is_doubtful |= !is_new && found->second.record.key != record->key;
-            found->second.record = std::move(*record);
-        }
-    }
-}
-
-const CaseRecord* Journals::find(const std::string& patient, const std::string& case_id,
-                                 std::uint64_t inode) const {
-    const auto of_patient = rows_.find(patient);
-    if (of_patient == rows_.end()) return nullptr;
-    const auto of_case = of_patient->second.find(case_id);
-    if (of_case == of_patient->second.end()) return nullptr;
-    const auto row = of_case->second.find(inode);
-    if (row == of_case->second.end() || row->second.is_doubtful) return nullptr;
-    return &row->second.record;
-}
-
-std::vector<CaseState> states_of(const CohortFolder& folder, const Journals& journals,
-                                 const CohortPatient& patient) {
-    const auto there = inodes_in(folder.patient_folder(patient));
-    std::vector<CaseState> states;
-    for (const CohortCase& c : patient.cases) {
-        const auto found = there.find(c.id);
-        const CaseRecord* noted =
-            found == there.end() ? nullptr : journals.find(patient.id, c.id, found->second);
-        if (noted && noted->key == c.key && c.excluded.empty())
-            states.push_back(state_of_record(*noted, c.key));
-        else
-            states.push_back(folder.state_of(patient, c));
-    }
-    return states;
-}
-
-std::string journal_line(const CaseRecord& record, std::uint64_t inode) {
-    return fmt::format("{} {}\n", inode, record_line(record));
-}
-
-std::uint64_t inode_of(const fs::path& folder) {
-    struct stat status {};
-    return ::stat(folder.c_str(), &status) == 0 ? status.st_ino : 0;
 }
 
 }  // namespace palpate

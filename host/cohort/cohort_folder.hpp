@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -44,33 +42,5 @@ public:
 private:
     std::filesystem::path folder_;
 };
-
-/// What the runners noted when cases were done: a cache of case.json, for speed. A row counts only
-/// for a folder of the same inode, and only if no other row names that folder.
-class Journals {
-public:
-    /// Reads all of a cohort; lines that are torn or damaged are left out.
-    explicit Journals(const CohortFolder& folder);
-    /// Of the folder of that case with this inode; null if no row can be trusted.
-    const CaseRecord* find(const std::string& patient, const std::string& case_id,
-                           std::uint64_t inode) const;
-
-private:
-    struct Row {
-        std::uint64_t inode = 0;
-        bool is_doubtful = false;
-        CaseRecord record;
-    };
-    std::map<std::string, std::map<std::string, std::map<std::uint64_t, Row>>> rows_;
-};
-
-/// The states of all cases of a patient, with one look at its folder; in the plan's order.
-std::vector<CaseState> states_of(const CohortFolder& folder, const Journals& journals,
-                                 const CohortPatient& patient);
-
-/// The line of a journal for a record and the inode of its folder.
-std::string journal_line(const CaseRecord& record, std::uint64_t inode);
-/// 0 if there is no such folder.
-std::uint64_t inode_of(const std::filesystem::path& folder);
 
 }  // namespace palpate

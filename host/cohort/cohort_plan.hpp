@@ -26,7 +26,7 @@ struct CohortCase {
     std::string id;           ///< of the table, else `target_name`; names its folder
     std::string target_name;  ///< "target-04", in the table's order
     std::string session_id;
-    std::filesystem::path target;
+    std::string target;  ///< file
     std::string target_sha256, key;
     std::string excluded;  ///< why it is not computed; empty: it is
 };
@@ -36,12 +36,12 @@ struct CohortPatient {
     std::string id;  ///< participant, for a further reference with "_ref-02"; names its folder
     std::string participant_id;
     std::string reference_name;  ///< "ref-01"
-    std::filesystem::path reference;
+    std::string reference;       ///< file
     std::string reference_sha256;
-    std::string config;  ///< name in the folder `settings`, without ending
-    std::string align;   ///< as the option of recover; empty: as for all
-    std::filesystem::path initial_transform;
-    double estimate_s = 0;  ///< core seconds of all its pairs
+    std::string config;             ///< name in the folder `settings`, without ending
+    std::string align;              ///< as the option of recover; empty: as for all
+    std::string initial_transform;  ///< file; empty: none
+    double estimate_s = 0;          ///< core seconds of all its pairs
     std::vector<CohortCase> cases = {};
 };
 
@@ -50,7 +50,8 @@ struct CohortLimits {
     int attempts = 3;     ///< of a pair whose process crashes or hangs
 };
 
-struct CohortPlan {
+/// What holds for all of a cohort.
+struct PlanHead {
     KeptFiles keep = KeptFiles::compact;
     std::string recover_toml;  ///< options of recover for all cases, as settings text
     CohortLimits limits;
@@ -59,24 +60,20 @@ struct CohortPlan {
     std::size_t num_bad_rows = 0;          ///< left out of it
     /// For tests of `run`: nothing is computed, each case sleeps so many seconds.
     std::optional<double> test_stub_s;
-    std::vector<CohortPatient> patients;
+};
+
+/// A whole plan in memory, as it is made.
+struct CohortPlan : PlanHead {
+    std::vector<CohortPatient> patients = {};
 
     std::size_t num_cases() const;  ///< that are not excluded
-    const CohortPatient& patient(const std::string& id) const;
 };
 
 /// Core seconds: for a reference, and for each of its targets.
 inline constexpr double reference_estimate_s = 6, target_estimate_s = 2;
 
 /// Seconds that a target, or the reference, may take.
-double limit_s(const CohortPlan& plan);
-
-/// Writes plan.tsv and plan.json into `folder`, read-only; an older plan there is replaced. Throws
-/// Error(output_failed).
-void write_plan(const CohortPlan& plan, const std::filesystem::path& folder);
-
-/// Throws Error(input_unreadable) if there is none, or if its files do not belong together.
-CohortPlan read_plan(const std::filesystem::path& folder);
+double limit_s(const PlanHead& plan);
 
 /// Writes or replaces a text file, in one step.
 void replace_text(const std::filesystem::path& path, const std::string& text);

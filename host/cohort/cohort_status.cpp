@@ -6,7 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/cohort/case_states.hpp"
 #include "host/cohort/claim.hpp"
+#include "host/cohort/plan_file.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -33,13 +35,14 @@ void add_to(CohortStatus& status, const CohortCase& c, const CaseState& state) {
 
 CohortStatus cohort_status(const std::filesystem::path& path) {
     const CohortFolder folder(path);
-    const CohortPlan plan = read_plan(path);
-    const Journals journals(folder);
+    const PlanFile plan(path);
+    const CaseStates all(folder);
     CohortStatus status;
-    status.patients = plan.patients.size();
-    status.bad_rows_left_out = plan.num_bad_rows;
-    for (const CohortPatient& patient : plan.patients) {
-        const std::vector<CaseState> states = states_of(folder, journals, patient);
+    status.patients = plan.num_patients();
+    status.bad_rows_left_out = plan.head().num_bad_rows;
+    for (std::size_t p = 0; p < plan.num_patients(); ++p) {
+        const CohortPatient patient = plan.patient(p);
+        const std::vector<CaseState> states = all.of(patient, false);
         bool is_whole = true;
         for (std::size_t k = 0; k < states.size(); ++k) {
             add_to(status, patient.cases[k], states[k]);

@@ -8,7 +8,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/io/delimited_text.hpp"
+#include "host/cohort/case_states.hpp"
+#include "host/cohort/cohort_page.hpp"
+#include "host/cohort/cohort_tables.hpp"
+#include "host/cohort/plan_file.hpp"
+#include "host/cohort/ratings.hpp"
 #include "host/system/version.hpp"
 #include "solver/base/error.hpp"
 
@@ -16,162 +20,165 @@ namespace palpate {
 namespace fs = std::filesystem;
 namespace {
 
-/// Name, unit and meaning of a column.
-struct ColumnMeaning {
-    const char *name, *unit, *meaning;
-};
+constexpr int badness_to_mark = 10;  // on the chart of patients
 
-constexpr ColumnMeaning pair_columns[] = {
-    {"participant_id", "", "As in the table that was planned"},
-    {"reference", "", "Number of the reference among those of the participant"},
-    {"target", "", "Number of the target among those of the reference"},
-    {"session_id", "", "As in the table"},
-    {"case_id", "", "As in the table, else the target"},
-    {"config", "", "Name of the settings in the folder settings"},
-    {"status", "", "done, not converged, failed, stale, waiting or excluded"},
-    {"code", "", "Exit code of the case"},
-    {"verdict", "", "What the data say of the modulus; of a case without result its reason"},
-    {"region", "", "Organ whose modulus was unknown"},
-    {"e_kpa", "kPa", "Young's modulus; empty where it is not identifiable"},
-    {"ln_e", "", "Natural logarithm of e_kpa"},
-    {"sd_ln", "", "Standard deviation of ln_e"},
-    {"e_low_kpa", "kPa", "Lower end of the 95 % interval; the prior's if not identifiable"},
-    {"e_high_kpa", "kPa", "Upper end of the 95 % interval; the prior's if not identifiable"},
-    {"ln_e_data", "", "As ln_e, with the prior taken out"},
-    {"sd_data", "", "As sd_ln, with the prior taken out"},
-    {"contour_sd_mm", "mm", "How far the contours of one image are off"},
-    {"dice", "", "Overlap of the organ after the deformation"},
-    {"mean_distance_mm", "mm", "Of the organ's surface to the target's, after the deformation"},
-    {"seconds", "s", "Of this pair alone, by the clock"},
-    {"peak_memory_mb", "MB", "Largest memory of the process up to the end of this pair"},
-    {"device", "", "That computed"},
-    {"host", "", "Name of the machine"},
-    {"key", "", "SHA-256 of everything the answer depends on"}};
-
-constexpr ColumnMeaning patient_columns[] = {
-    {"participant_id", "", "As in the table that was planned"},
-    {"reference", "", "Number of the reference among those of the participant"},
-    {"region", "", "Organ whose modulus was unknown"},
-    {"pairs", "", "Pairs of this reference that were not excluded"},
-    {"done", "", "Pairs with a result"},
-    {"failed", "", "Pairs that failed"},
-    {"identified", "", "Pairs with a modulus"},
-    {"mean_kpa", "kPa", "Plain mean of the moduli"},
-    {"sd_kpa", "kPa", "Their standard deviation over n - 1"},
-    {"median_kpa", "kPa", "Their median"},
-    {"mean_ln_e", "", "Plain mean of ln E"},
-    {"sd_ln_e", "", "Its standard deviation over n - 1"}};
-
-template <std::size_t n>
-std::string header_line(const ColumnMeaning (&columns)[n]) {
-    std::vector<std::string> names;
-    for (const ColumnMeaning& column : columns) names.emplace_back(column.name);
-    return delimited_line(names, '\t');
+std::string name_of_patient(const CohortPatient& patient) {
+    std::string name = patient.participant_id;
+    if (patient.reference_name != "ref-01") name += ", " + patient.reference_name;
+    return name;
 }
 
-template <std::size_t n>
-std::string dictionary(const ColumnMeaning (&columns)[n]) {
-    nlohmann::ordered_json json;
-    for (const ColumnMeaning& column : columns) {
-        json[column.name]["Description"] = column.meaning;
-        if (*column.unit) json[column.name]["Units"] = column.unit;
+bool is_computed(const CaseState& state) {
+    return state.status == CaseStatus::done || state.status == CaseStatus::not_converged ||
+           state.status == CaseStatus::stale;
+}
+
+bool has_modulus(const CaseState& state) {
+    if (!state.record) return false;
+    for (const RegionRecord& region : state.record->regions)
+        if (std::isfinite(region.e_kpa)) return true;
+    return false;
+}
+
+/// Why a pair enters no mean; empty: it does.
+std::string why_left_out(const CohortCase& c, const CaseState& state, const std::string& rating) {
+    switch (state.status) {
+        case CaseStatus::excluded:
+            return "excluded: " + c.excluded;
+        case CaseStatus::waiting:
+            return "not computed yet";
+        case CaseStatus::failed:
+            return "failed";
+        case CaseStatus::not_converged:
+            return "not converged";
+        case CaseStatus::done:
+        case CaseStatus::stale:
+            break;
     }
-    return json.dump(2) + "\n";
+    if (!has_modulus(state)) return "not identifiable";
+    return rating == "reject" ? "rejected in the gallery" : "";
 }
 
-std::string number_cell(double value) {
-    return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
-}
-
-std::string code_cell(const CaseState& state) {
-    if (state.failure) return fmt::to_string(state.failure->code);
-    if (!state.record) return "";
-    return state.record->converged ? "0" : fmt::to_string(exit_code_not_converged);
-}
-
-std::vector<std::string> first_cells(const CohortPatient& p, const CohortCase& c,
-                                     const CaseState& state) {
-    return {p.participant_id, p.reference_name,      c.target_name,   c.session_id, c.id,
-            p.config,         name_of(state.status), code_cell(state)};
-}
-
-std::string row_of_region(std::vector<std::string> cells, const CaseRecord& record,
-                          const RegionRecord& r, const std::string& key) {
-    cells.insert(cells.end(), {r.verdict, r.region});
-    for (const double value :
-         {r.e_kpa, std::log(r.e_kpa), r.sd_ln, r.e_low_kpa, r.e_high_kpa, r.ln_e_data, r.sd_data,
-          record.contour_sd_mm, r.dice, r.mean_distance_mm, record.seconds, record.peak_memory_mb})
-        cells.push_back(number_cell(value));
-    cells.insert(cells.end(), {record.device, record.host, key});
-    return delimited_line(cells, '\t');
-}
-
-std::string row_without_result(std::vector<std::string> cells, const CohortCase& c,
-                               const CaseState& state) {
-    cells.push_back(state.failure ? state.failure->sentence : c.excluded);
-    cells.resize(std::size(pair_columns) - 2);
-    cells.insert(cells.end(), {state.failure ? state.failure->host : "", c.key});
-    return delimited_line(cells, '\t');
-}
+/// One case of the patient in hand.
+struct CollectedCase {
+    CaseFlags flags;
+    std::string rating;
+    bool is_used = false;
+};
 
 /// The work of one call of `collect_cohort`.
 class Collection {
 public:
+    Collection(const CohortFolder& folder, Ratings& ratings) : folder_(folder), ratings_(ratings) {}
+
     void add(const CohortPatient& patient, const std::vector<CaseState>& states) {
-        std::vector<PatientRegion> regions;
-        std::size_t pairs = 0, failed = 0;
+        std::vector<CollectedCase> cases;
+        for (std::size_t k = 0; k < states.size(); ++k)
+            cases.push_back(judged(patient, patient.cases[k], states[k]));
+        mark_unlike(states, cases);
+        PatientRegion counts{patient.participant_id, patient.reference_name, ""};
+        std::vector<std::size_t> numbers(states.size());
         for (std::size_t k = 0; k < states.size(); ++k) {
             const CohortCase& c = patient.cases[k];
             const CaseState& state = states[k];
-            add_to(status, c, state);
-            pairs += state.status != CaseStatus::excluded;
-            failed += state.status == CaseStatus::failed;
-            const std::vector<std::string> cells = first_cells(patient, c, state);
-            if (!state.record || state.record->regions.empty())
-                pairs_text += row_without_result(cells, c, state);
-            if (!state.record) continue;
-            for (const RegionRecord& region : state.record->regions) {
-                pairs_text += row_of_region(cells, *state.record, region, state.record->key);
-                find(regions, patient, region.region).found.emplace_back(c.target_name, region);
-            }
+            add_to(view.status, c, state);
+            counts.pairs += state.status != CaseStatus::excluded;
+            counts.failed += state.status == CaseStatus::failed;
+            pairs_text += pair_rows(patient, c, state, cases[k].flags, cases[k].rating);
+            if (state.record || state.failure)
+                numbers[k] =
+                    view.gallery.add(folder_, patient, c, state, cases[k].flags, cases[k].rating);
         }
-        if (regions.empty()) regions.push_back({&patient, ""});
-        for (PatientRegion& region : regions) {
-            region.pairs = pairs;
-            region.failed = failed;
-            region.done = region.found.size();
-            patients_text += patient_line(region);
-            all.push_back(std::move(region));
-        }
+        for (const std::string& name : regions_of(states))
+            add_region(patient, states, cases, numbers, name, counts);
     }
 
-    CohortStatus status;
-    std::string pairs_text = header_line(pair_columns);
-    std::string patients_text = header_line(patient_columns);
-    std::vector<PatientRegion> all;
+    CohortView view;
+    std::string pairs_text = pairs_header(), patients_text = patients_header();
 
 private:
-    static PatientRegion& find(std::vector<PatientRegion>& regions, const CohortPatient& patient,
-                               const std::string& name) {
-        for (PatientRegion& region : regions)
-            if (region.region == name) return region;
-        regions.push_back({&patient, name});
-        return regions.back();
+    CollectedCase judged(const CohortPatient& patient, const CohortCase& c,
+                         const CaseState& state) {
+        CollectedCase one;
+        if (state.record) one.flags = state.record->flags;
+        if (state.failure) one.flags.add(CaseFlag::failed);
+        if (state.record || state.failure)
+            one.rating = ratings_.of(patient.id, c.id, state.record ? state.record->key : c.key);
+        const std::string why = why_left_out(c, state, one.rating);
+        one.is_used = why.empty();
+        if (one.is_used)
+            view.flow.take();
+        else
+            view.flow.leave_out(why);
+        return one;
     }
 
-    static std::string patient_line(const PatientRegion& region) {
-        const std::vector<double> kpa = region.identified_kpa();
-        std::vector<double> logarithms;
-        for (const double value : kpa) logarithms.push_back(std::log(value));
-        const PlainStatistics plain = plain_statistics(kpa), ln = plain_statistics(logarithms);
-        return delimited_line(
-            {region.patient->participant_id, region.patient->reference_name, region.region,
-             fmt::to_string(region.pairs), fmt::to_string(region.done),
-             fmt::to_string(region.failed), fmt::to_string(kpa.size()), number_cell(plain.mean),
-             number_cell(plain.sd), number_cell(plain.median), number_cell(ln.mean),
-             number_cell(ln.sd)},
-            '\t');
+    static std::vector<std::string> regions_of(const std::vector<CaseState>& states) {
+        std::vector<std::string> names;
+        for (const CaseState& state : states) {
+            if (!state.record) continue;
+            for (const RegionRecord& region : state.record->regions)
+                if (std::find(names.begin(), names.end(), region.region) == names.end())
+                    names.push_back(region.region);
+        }
+        if (names.empty()) names.emplace_back();
+        return names;
     }
+
+    static const RegionRecord* find(const CaseState& state, const std::string& name) {
+        if (!state.record) return nullptr;
+        for (const RegionRecord& region : state.record->regions)
+            if (region.region == name) return &region;
+        return nullptr;
+    }
+
+    /// Compares the pairs of a patient with each other.
+    static void mark_unlike(const std::vector<CaseState>& states,
+                            std::vector<CollectedCase>& cases) {
+        for (const std::string& name : regions_of(states)) {
+            std::vector<std::size_t> position;
+            std::vector<double> ln_e;
+            for (std::size_t k = 0; k < states.size(); ++k) {
+                const RegionRecord* region = find(states[k], name);
+                if (!region || !std::isfinite(region->e_kpa)) continue;
+                position.push_back(k);
+                ln_e.push_back(std::log(region->e_kpa));
+            }
+            const std::vector<bool> unlike = unlike_the_others(ln_e);
+            for (std::size_t k = 0; k < unlike.size(); ++k)
+                if (unlike[k]) cases[position[k]].flags.add(CaseFlag::unlike_the_others);
+        }
+    }
+
+    void add_region(const CohortPatient& patient, const std::vector<CaseState>& states,
+                    const std::vector<CollectedCase>& cases,
+                    const std::vector<std::size_t>& numbers, const std::string& name,
+                    PatientRegion row) {
+        row.region = name;
+        PatientStrip strip{name_of_patient(patient), name, row.pairs};
+        std::vector<double> kpa, ln_e;
+        for (std::size_t k = 0; k < states.size(); ++k) {
+            const RegionRecord* region = find(states[k], name);
+            if (!region) continue;
+            row.done += is_computed(states[k]);
+            if (!cases[k].is_used || !std::isfinite(region->e_kpa)) continue;
+            kpa.push_back(region->e_kpa);
+            ln_e.push_back(std::log(region->e_kpa));
+            strip.points.push_back({float(region->e_kpa), float(region->e_low_kpa),
+                                    float(region->e_high_kpa), std::uint32_t(numbers[k]),
+                                    region->verdict == "weak",
+                                    badness(cases[k].flags) >= badness_to_mark});
+        }
+        row.identified = kpa.size();
+        row.kpa = plain_statistics(std::move(kpa));
+        row.ln_e = plain_statistics(std::move(ln_e));
+        patients_text += patient_row(row);
+        view.regions.push_back(std::move(row));
+        view.strips.push_back(std::move(strip));
+    }
+
+    const CohortFolder& folder_;
+    Ratings& ratings_;
 };
 
 std::string dataset_description() {
@@ -183,57 +190,45 @@ std::string dataset_description() {
     return json.dump(2) + "\n";
 }
 
+Ratings ratings_for(const CollectRequest& request) {
+    if (!request.ratings.empty()) return Ratings(request.ratings);
+    const fs::path usual = request.cohort / "ratings.tsv";
+    return fs::exists(usual) ? Ratings(usual) : Ratings();
+}
+
 }  // namespace
 
-std::vector<double> PatientRegion::identified_kpa() const {
-    std::vector<double> kpa;
-    for (const auto& [target, region_record] : found)
-        if (std::isfinite(region_record.e_kpa)) kpa.push_back(region_record.e_kpa);
-    return kpa;
-}
-
-PlainStatistics plain_statistics(std::vector<double> values) {
-    PlainStatistics result{RegionRecord::none, RegionRecord::none, RegionRecord::none};
-    if (values.empty()) return result;
-    const double n = double(values.size());
-    double sum = 0, squares = 0;
-    for (const double value : values) sum += value;
-    result.mean = sum / n;
-    for (const double value : values) squares += (value - result.mean) * (value - result.mean);
-    if (values.size() > 1) result.sd = std::sqrt(squares / (n - 1));
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    result.median = values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
-    return result;
-}
-
-CohortStatus collect_cohort(const fs::path& path, bool mixed, const ProgressSink& progress) {
-    const CohortFolder folder(path);
-    const CohortPlan plan = read_plan(path);
-    const Journals journals(folder);
-    Collection collection;
-    collection.status.patients = plan.patients.size();
-    collection.status.bad_rows_left_out = plan.num_bad_rows;
-    for (std::size_t k = 0; k < plan.patients.size(); ++k) {
-        report_progress(progress, "collecting", double(k) / double(plan.patients.size()),
-                        fmt::format("{} of {} patients", k, plan.patients.size()));
-        collection.add(plan.patients[k], states_of(folder, journals, plan.patients[k]));
+CollectedCohort collect_cohort(const CollectRequest& request, const ProgressSink& progress) {
+    const CohortFolder folder(request.cohort);
+    const PlanFile plan(request.cohort);
+    const CaseStates all(folder);
+    Ratings ratings = ratings_for(request);
+    Collection collection(folder, ratings);
+    CohortView& view = collection.view;
+    view.status.patients = plan.num_patients();
+    view.status.bad_rows_left_out = plan.head().num_bad_rows;
+    for (std::size_t k = 0; k < plan.num_patients(); ++k) {
+        report_progress(progress, "collecting", double(k) / double(plan.num_patients()),
+                        fmt::format("{} of {} patients", k, plan.num_patients()));
+        const CohortPatient patient = plan.patient(k);
+        collection.add(patient, all.of(patient, true));
     }
-    const std::size_t stale = collection.status.count(CaseStatus::stale);
-    if (stale > 0 && !mixed)
+    const std::size_t stale = view.status.count(CaseStatus::stale);
+    if (stale > 0 && !request.mixed)
         throw Error(ErrorCode::input_unusable,
                     fmt::format("{}: {} results are of other settings or inputs than the plan; run "
                                 "the cohort again, or take them as they are with --mixed",
-                                path.string(), stale));
-    for (const auto& [name, text] :
-         {std::pair<const char*, std::string>{"pairs.tsv", collection.pairs_text},
-          {"patients.tsv", collection.patients_text},
-          {"pairs.json", dictionary(pair_columns)},
-          {"patients.json", dictionary(patient_columns)},
-          {"dataset_description.json", dataset_description()},
-          {"index.html", cohort_page(collection.status, collection.all)}})
-        replace_text(path / name, text);
-    return collection.status;
+                                request.cohort.string(), stale));
+    view.gallery.sort();
+    report_progress(progress, "writing", 0, "tables and pages");
+    replace_text(request.cohort / "pairs.tsv", collection.pairs_text);
+    replace_text(request.cohort / "patients.tsv", collection.patients_text);
+    replace_text(request.cohort / "pairs.json", pairs_dictionary());
+    replace_text(request.cohort / "patients.json", patients_dictionary());
+    replace_text(request.cohort / "dataset_description.json", dataset_description());
+    view.gallery.write(request.cohort, patient_pages(view));
+    replace_text(request.cohort / "index.html", cohort_page(view));
+    return {view.status, ratings.num_unused()};
 }
 
 }  // namespace palpate

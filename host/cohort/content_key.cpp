@@ -62,16 +62,24 @@ std::string sha256_of_file(const std::filesystem::path& path) {
     return hash.hex();
 }
 
+CaseKeys::CaseKeys(const KeyParts& parts) {
+    const auto text = [](const nlohmann::json& json) { return json.dump(); };
+    before_reference_ = "{\"key_format\":" + text(key_format) +
+                        ",\"numerics_version\":" + text(numerics_version) +
+                        ",\"options\":" + text(parts.options) + ",\"reference\":\"";
+    before_target_ = "\",\"settings\":" + text(parts.settings_toml) + ",\"target\":\"";
+    before_transform_ =
+        std::string("\",") + (parts.is_test_stub ? "\"test_stub\":true," : "") + "\"transform\":\"";
+}
+
+std::string CaseKeys::key(const std::string& reference_sha256, const std::string& target_sha256,
+                          const std::string& transform_sha256) const {
+    return sha256_of(before_reference_ + reference_sha256 + before_target_ + target_sha256 +
+                     before_transform_ + transform_sha256 + "\"}");
+}
+
 std::string case_key(const KeyParts& parts) {
-    nlohmann::json json{{"key_format", key_format},
-                        {"numerics_version", numerics_version},
-                        {"settings", parts.settings_toml},
-                        {"options", parts.options},
-                        {"reference", parts.reference_sha256},
-                        {"target", parts.target_sha256},
-                        {"transform", parts.transform_sha256}};
-    if (parts.is_test_stub) json["test_stub"] = true;
-    return sha256_of(json.dump());
+    return CaseKeys(parts).key(parts.reference_sha256, parts.target_sha256, parts.transform_sha256);
 }
 
 }  // namespace palpate

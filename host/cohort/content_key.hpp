@@ -11,7 +11,7 @@ namespace palpate {
 
 /// Raised only when the same input gives other answers, or a case other files, than before; not
 /// with every version.
-inline constexpr int numerics_version = 2;
+inline constexpr int numerics_version = 3;
 
 /// SHA-256 (FIPS 180-4) in 64 hexadecimal digits.
 std::string sha256_of(std::string_view bytes);
@@ -30,5 +30,16 @@ struct KeyParts {
 /// SHA-256 of these and `numerics_version` as JSON with sorted keys. No path, no name, nothing
 /// about where and how fast it is computed.
 std::string case_key(const KeyParts& parts);
+
+/// The same for many cases whose settings and options are those of `parts`.
+class CaseKeys {
+public:
+    explicit CaseKeys(const KeyParts& parts);
+    std::string key(const std::string& reference_sha256, const std::string& target_sha256,
+                    const std::string& transform_sha256) const;
+
+private:
+    std::string before_reference_, before_target_, before_transform_;
+};
 
 }  // namespace palpate

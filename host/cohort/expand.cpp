@@ -11,6 +11,7 @@
 #include "host/cohort/cohort_folder.hpp"
 #include "host/cohort/content_key.hpp"
 #include "host/cohort/kept_result.hpp"
+#include "host/cohort/plan_file.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

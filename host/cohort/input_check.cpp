@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/cohort/input_check.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
-#include <array>
+#include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <fstream>
-#include <vector>
+#include <iterator>
+#include <set>
 
 #include "host/cohort/cohort_plan.hpp"
 #include "host/cohort/content_key.hpp"
@@ -16,6 +19,7 @@
 #include "host/io/files.hpp"
 #include "host/io/gzip.hpp"
 #include "host/io/preflight.hpp"
+#include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -47,11 +51,20 @@ std::optional<std::string> nifti_fault(const fs::path& path) {
                     : std::optional<std::string>("it is named NIfTI, but holds no NIfTI-1 header");
 }
 
-std::string mark_of(const fs::path& path) {
-    struct stat status {};
-    if (::stat(path.c_str(), &status) != 0) return "";
-    return fmt::format("{}:{}.{:09}:{}", status.st_size, status.st_mtim.tv_sec,
-                       status.st_mtim.tv_nsec, status.st_ino);
+constexpr const char* known_header[] = {"file", "mark", "sha256", "checked"};
+constexpr const char *header_word = "header", *voxels_word = "voxels";
+
+std::array<unsigned char, 32> bytes_of_hex(const std::string& text) {
+    std::array<unsigned char, 32> bytes{};
+    for (std::size_t k = 0; k < bytes.size() && 2 * k + 1 < text.size(); ++k)
+        std::from_chars(text.data() + 2 * k, text.data() + 2 * k + 2, bytes[k], 16);
+    return bytes;
+}
+
+std::string hex_of_bytes(const std::array<unsigned char, 32>& bytes) {
+    std::string text;
+    for (const unsigned char byte : bytes) text += fmt::format("{:02x}", byte);
+    return text;
 }
 
 }  // namespace
@@ -72,26 +85,95 @@ std::optional<std::string> header_fault(const fs::path& path) {
     return std::nullopt;
 }
 
-HashCache::HashCache(fs::path file) : file_(std::move(file)) {
+FileChecks::FileChecks(fs::path file, bool with_voxels)
+    : file_(std::move(file)), with_voxels_(with_voxels) {
     if (!fs::exists(file_)) return;
-    const DelimitedText table = parse_delimited(text_of_file(file_), {'\t'});
-    if (table.columns.size() != 3) return;
-    for (const auto& row : table.rows) entries_[row[0]] = {row[1], row[2], false};
+    const std::string text = text_of_file(file_);
+    for_each_row(text, {'\t', false, true}, [&](RawRow& row) {
+        if (row.cells.size() != std::size(known_header)) return;
+        Entry entry;
+        const char* at = row.cells[1].data();
+        const char* end = at + row.cells[1].size();
+        for (std::uint64_t& number : entry.mark) {
+            at = std::from_chars(at, end, number).ptr;
+            at += at < end;
+        }
+        entry.sha256 = bytes_of_hex(row.cells[2]);
+        entry.is_good = row.cells[2].size() == 64;
+        entry.has_voxels = row.cells[3] == voxels_word;
+        entries_.emplace(std::move(row.cells[0]), entry);
+    });
 }
 
-const std::string& HashCache::hash_of(const fs::path& path) {
-    Entry& entry = entries_[path.string()];
-    entry.is_used = true;
-    const std::string mark = mark_of(path);
-    if (entry.sha256.empty() || entry.mark != mark) entry = {mark, sha256_of_file(path), true};
-    return entry.sha256;
+FileChecks::Mark FileChecks::mark_of(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return {};
+    return {std::uint64_t(status.st_size), std::uint64_t(status.st_mtim.tv_sec),
+            std::uint64_t(status.st_mtim.tv_nsec), status.st_ino};
 }
 
-void HashCache::write() const {
-    std::string text = delimited_line({"file", "mark", "sha256"}, '\t');
-    for (const auto& [path, entry] : entries_)
-        if (entry.is_used) text += delimited_line({path, entry.mark, entry.sha256}, '\t');
-    replace_text(file_, text);
+std::string FileChecks::fault_of(const std::string& path, bool is_volume) {
+    if (!is_volume) return why_unreadable(path).value_or("");
+    if (const auto fault = header_fault(path)) return *fault;
+    if (!with_voxels_) return "";
+    try {
+        const LabelImage image = read_label_image(path);
+        std::set<int> labels(image.voxels.begin(), image.voxels.end());
+        labels_[path] = {labels.begin(), labels.end()};
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+FileFacts FileChecks::look(const std::string& path, bool is_volume) {
+    Entry& entry = entries_[path];
+    entry.is_asked = true;
+    if (!entry.is_seen) {
+        entry.is_seen = true;
+        const Mark mark = mark_of(path);
+        const bool wants_voxels = is_volume && with_voxels_;  // their labels are not remembered
+        const bool is_known = entry.is_good && entry.mark == mark && mark != Mark{};
+        if (!is_known || wants_voxels) {
+            entry.mark = mark;
+            const std::string fault = fault_of(path, is_volume);
+            entry.is_good = fault.empty();
+            entry.has_voxels = wants_voxels;
+            if (!fault.empty()) faults_[path] = fault;
+            if (entry.is_good && !is_known) entry.sha256 = bytes_of_hex(sha256_of_file(path));
+        }
+    }
+    if (entry.is_good) return {hex_of_bytes(entry.sha256), ""};
+    return {"", faults_.at(path)};
+}
+
+FileFacts FileChecks::volume(const std::string& path) { return look(path, true); }
+FileFacts FileChecks::plain_file(const std::string& path) { return look(path, false); }
+
+std::vector<int> FileChecks::missing_labels(const std::string& path,
+                                            const std::vector<int>& wanted) const {
+    const auto found = labels_.find(path);
+    std::vector<int> missing;
+    if (found == labels_.end()) return missing;
+    for (const int label : wanted)
+        if (!std::binary_search(found->second.begin(), found->second.end(), label))
+            missing.push_back(label);
+    return missing;
+}
+
+void FileChecks::write() const {
+    write_atomically(file_, [&](const fs::path& temporary) {
+        std::ofstream out(temporary, std::ios::binary);
+        out.exceptions(std::ios::badbit | std::ios::failbit);
+        out << delimited_line({std::begin(known_header), std::end(known_header)}, '\t');
+        for (const auto& [path, entry] : entries_)
+            if (entry.is_asked && entry.is_good)
+                out << delimited_line(
+                    {path, fmt::format("{}", fmt::join(entry.mark, ":")),
+                     hex_of_bytes(entry.sha256), entry.has_voxels ? voxels_word : header_word},
+                    '\t');
+        out.close();
+    });
 }
 
 }  // namespace palpate

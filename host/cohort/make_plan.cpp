@@ -3,6 +3,7 @@
 #include "host/cohort/make_plan.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -13,11 +14,11 @@
 #include "host/cohort/content_key.hpp"
 #include "host/cohort/engine_files.hpp"
 #include "host/cohort/input_check.hpp"
+#include "host/cohort/plan_file.hpp"
 #include "host/cohort/plan_rows.hpp"
 #include "host/cohort/recover_choice.hpp"
 #include "host/io/option.hpp"
 #include "host/io/output_folder.hpp"
-#include "host/io/preflight.hpp"
 #include "host/io/settings_table.hpp"
 #include "solver/base/error.hpp"
 
@@ -77,7 +78,7 @@ void take_config(const fs::path& path, CohortPlan& plan, fs::path& settings, fs:
 class Planner {
 public:
     Planner(const PlanRequest& request, const fs::path& hashes, const ProgressSink& progress)
-        : request_(request), cache_(hashes), progress_(progress) {}
+        : request_(request), files_(hashes, request.check_voxels), progress_(progress) {}
 
     PlannedCohort plan() {
         fs::path root = request_.root, settings = request_.settings;
@@ -90,17 +91,18 @@ public:
             throw Error(ErrorCode::input_unreadable,
                         fmt::format("{}: its name ends neither in .tsv nor in .csv",
                                     request_.table.string()));
-        table_ = parse_delimited(text_of_file(request_.table), {is_csv ? ',' : '\t'});
+        const std::string text = text_of_file(request_.table);
+        const double lines = 1 + double(std::count(text.begin(), text.end(), '\n'));
         const fs::path beside = fs::absolute(request_.table).parent_path();
-        std::vector<PlanRequestRow> rows =
-            plan_rows(table_, root.empty() ? beside : fs::absolute(root));
-        for (std::size_t k = 0; k < rows.size(); ++k) {
-            report_progress(progress_, "checking", double(k) / double(rows.size()),
-                            fmt::format("{} of {} rows", k, rows.size()));
-            take(rows[k], settings, beside);
-        }
+        std::vector<TableFault> of_form = for_each_plan_row(
+            text, {is_csv ? ',' : '\t'}, root.empty() ? beside : fs::absolute(root),
+            [&](const PlanRequestRow& row) {
+                report_progress(progress_, "checking", double(row.line) / lines,
+                                fmt::format("line {} of {:.0f}", row.line, lines));
+                take(row, settings, beside);
+            });
+        out_.faults.insert(out_.faults.end(), of_form.begin(), of_form.end());
         name_and_hash();
-        out_.faults = std::move(table_.faults);
         std::stable_sort(out_.faults.begin(), out_.faults.end(),
                          [](const auto& a, const auto& b) { return a.line < b.line; });
         std::set<std::size_t> bad;
@@ -109,31 +111,31 @@ public:
         return std::move(out_);
     }
 
-    const HashCache& hashes() const { return cache_; }
+    const FileChecks& files() const { return files_; }
 
 private:
     void refuse(const PlanRequestRow& row, const char* column, const std::string& why) {
-        table_.faults.push_back({row.line, column, why});
+        out_.faults.push_back({row.line, column, why});
         is_good_ = false;
     }
 
-    /// Why the volume cannot be used; asked once for each file.
-    const std::string& fault_of(const fs::path& path) {
-        const auto [found, is_new] = volume_faults_.try_emplace(path.string());
-        if (!is_new) return found->second;
-        if (const auto fault = header_fault(path)) return found->second = *fault;
-        if (!request_.check_voxels) return found->second;
-        try {
-            preflight(path);
-        } catch (const Error& error) {
-            found->second = error.what();
-        }
-        return found->second;
+    /// A sentence that names the file once.
+    static std::string told(const std::string& path, const std::string& fault) {
+        return fault.find(path) == std::string::npos ? fmt::format("{}: {}", path, fault) : fault;
     }
 
-    void check_volume(const PlanRequestRow& row, const char* column, const fs::path& path) {
-        const std::string& fault = fault_of(path);
-        if (!fault.empty()) refuse(row, column, fmt::format("{}: {}", path.string(), fault));
+    /// Empty hash: it is refused.
+    std::string checked_volume(const PlanRequestRow& row, const char* column,
+                               const std::string& path, const std::vector<int>& wanted) {
+        const FileFacts facts = files_.volume(path);
+        if (!facts.fault.empty()) refuse(row, column, told(path, facts.fault));
+        const std::vector<int> missing = files_.missing_labels(path, wanted);
+        if (!missing.empty())
+            refuse(row, column,
+                   fmt::format("{}: no voxel has label {}, which the settings name; check the "
+                               "labels, or take that organ out",
+                               path, fmt::join(missing, ", ")));
+        return facts.sha256;
     }
 
     /// The name in `settings` of the organs of a row; parsed once.
@@ -147,11 +149,17 @@ private:
         const auto [found, is_new] = configs_.try_emplace(file.string());
         if (is_new) {
             try {
-                const std::string toml = to_toml(read_settings(file));
+                const Settings organs = read_settings(file);
+                const std::string toml = to_toml(organs);
                 std::string stem = file.stem().string();
                 if (!is_cohort_id(stem)) stem = "organs";
                 found->second.first = fmt::format("{}-{}", stem, sha256_of(toml).substr(0, 8));
                 const std::string& config = found->second.first;
+                for (const auto& organ : organs.organs) {
+                    const int label = static_cast<int>(organ.label);
+                    labels_[config].of_reference.push_back(label);
+                    if (organ.role != Role::fixed) labels_[config].of_target.push_back(label);
+                }
                 const bool is_known =
                     std::any_of(out_.settings.begin(), out_.settings.end(),
                                 [&](const auto& known) { return known.first == config; });
@@ -168,21 +176,26 @@ private:
         is_good_ = true;
         const std::string config = config_of(row, usual_settings, beside);
         if (row.exclude.empty()) {
-            check_volume(row, "reference", row.reference);
-            check_volume(row, "target", row.target);
-            if (!row.initial_transform.empty() && !fs::is_regular_file(row.initial_transform))
-                refuse(row, "initial_transform",
-                       row.initial_transform.string() + ": there is no such file");
-            if (is_good_ && cache_.hash_of(row.reference) == cache_.hash_of(row.target))
+            const std::string reference =
+                checked_volume(row, "reference", row.reference, labels_[config].of_reference);
+            const std::string target =
+                checked_volume(row, "target", row.target, labels_[config].of_target);
+            if (!row.initial_transform.empty()) {
+                const FileFacts facts = files_.plain_file(row.initial_transform);
+                if (!facts.fault.empty())
+                    refuse(row, "initial_transform",
+                           fmt::format("{}: {}", row.initial_transform, facts.fault));
+            }
+            if (is_good_ && reference == target)
                 refuse(row, "target", "it holds the same bytes as the reference");
         }
         if (is_good_) add(row, config);
     }
 
     void add(const PlanRequestRow& row, const std::string& config) {
-        const std::string transform = row.initial_transform.string();
-        const std::string unit = row.participant_id + '\n' + row.reference.string() + '\n' +
-                                 config + '\n' + row.align + '\n' + transform;
+        const std::string& transform = row.initial_transform;
+        const std::string unit = row.participant_id + '\n' + row.reference + '\n' + config + '\n' +
+                                 row.align + '\n' + transform;
         const auto [found, is_new] = units_.try_emplace(unit, out_.plan.patients.size());
         if (is_new) {
             CohortPatient patient;
@@ -225,32 +238,45 @@ private:
         }
     }
 
-    void hash(CohortPatient& patient) {
+    const CaseKeys& keys_of(const CohortPatient& patient) {
+        const auto name = std::pair{patient.config, patient.align};
+        if (const auto found = keys_.find(name); found != keys_.end()) return found->second;
         KeyParts parts;
         parts.is_test_stub = request_.test_stub_s.has_value();
-        for (const auto& [name, toml] : out_.settings)
-            if (name == patient.config) parts.settings_toml = toml;
+        for (const auto& [config, toml] : out_.settings)
+            if (config == patient.config) parts.settings_toml = toml;
         parts.options = options_of_the_key(recover_values(out_.plan.recover_toml, patient.align));
-        if (!patient.initial_transform.empty())
-            parts.transform_sha256 = cache_.hash_of(patient.initial_transform);
+        return keys_.emplace(name, CaseKeys(parts)).first->second;
+    }
+
+    void hash(CohortPatient& patient) {
+        const CaseKeys& keys = keys_of(patient);
+        const std::string transform = patient.initial_transform.empty()
+                                          ? ""
+                                          : files_.plain_file(patient.initial_transform).sha256;
         std::size_t targets = 0;
         for (CohortCase& c : patient.cases) {
             if (!c.excluded.empty()) continue;
             ++targets;
-            patient.reference_sha256 = parts.reference_sha256 = cache_.hash_of(patient.reference);
-            c.target_sha256 = parts.target_sha256 = cache_.hash_of(c.target);
-            c.key = case_key(parts);
+            if (patient.reference_sha256.empty())
+                patient.reference_sha256 = files_.volume(patient.reference).sha256;
+            c.target_sha256 = files_.volume(c.target).sha256;
+            c.key = keys.key(patient.reference_sha256, c.target_sha256, transform);
         }
         patient.estimate_s = reference_estimate_s + target_estimate_s * double(targets);
     }
 
     const PlanRequest& request_;
-    HashCache cache_;
+    FileChecks files_;
     const ProgressSink& progress_;
     PlannedCohort out_;
-    DelimitedText table_;
-    bool is_good_ = true;  ///< the row in hand
-    std::map<std::string, std::string> volume_faults_;
+    bool is_good_ = true;                                           ///< the row in hand
+    std::map<std::pair<std::string, std::string>, CaseKeys> keys_;  ///< by config and align
+    /// Labels that volumes must have; fixed organs are not looked for in targets.
+    struct Labels {
+        std::vector<int> of_reference, of_target;
+    };
+    std::map<std::string, Labels> labels_;  ///< by config
     /// By file: name in `settings`, or what is wrong.
     std::map<std::string, std::pair<std::string, std::string>> configs_;
     std::map<std::string, std::size_t> units_;
@@ -284,7 +310,7 @@ PlannedCohort make_cohort_plan(const PlanRequest& request, const fs::path& hashe
     Planner planner(request, hashes, progress);
     PlannedCohort planned = planner.plan();
     make_folders(hashes.parent_path());
-    planner.hashes().write();
+    planner.files().write();
     return planned;
 }
 

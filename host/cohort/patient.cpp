@@ -13,6 +13,7 @@
 #include "host/apps/recover/pipeline/recover.hpp"
 #include "host/apps/recover/report/result_folder.hpp"
 #include "host/apps/recover/run/recover_table.hpp"
+#include "host/cohort/case_card.hpp"
 #include "host/cohort/cohort_folder.hpp"
 #include "host/cohort/kept_result.hpp"
 #include "host/cohort/recover_choice.hpp"
@@ -67,8 +68,8 @@ class PatientWork {
 public:
     PatientWork(const PatientJob& job, const TellEvent& tell, const ProgressSink& progress)
         : folder_(job.cohort),
-          plan_(read_plan(job.cohort)),
-          patient_(plan_.patient(job.patient)),
+          plan_(PlanFile(job.cohort).head()),
+          patient_(PlanFile(job.cohort).patient(job.patient)),
           tell_(tell),
           progress_([this, &progress](const Progress& step) {
               if (progress) progress({step.stage, step.fraction, aliases_.in(step.message)});
@@ -112,20 +113,19 @@ private:
             recover_options_of(values, read_settings(folder_.settings_file(patient_.config)));
         options.initial_transform = patient_.initial_transform;
         const Segmentation reference = read_as(patient_.reference, "reference");
-        const std::vector<Segmentation> targets = read_targets();
-        if (targets.empty()) return;
         TargetSinks sinks;
         sinks.result = [&](std::size_t k, RecoveryResult result, double seconds) {
-            keep(*searched_[k], result, seconds);
+            keep(*cases_[k], result, seconds);
         };
-        sinks.failed = [&](std::size_t k, const Error& error) { fail(*searched_[k], error); };
-        sinks.started = [&](std::size_t k) {
-            tell_({PatientEvent::Kind::started, searched_[k]->id});
-        };
+        sinks.failed = [&](std::size_t k, const Error& error) { fail(*cases_[k], error); };
+        sinks.started = [&](std::size_t k) { tell_({PatientEvent::Kind::started, cases_[k]->id}); };
         if (plan_.keep == KeptFiles::compact)
             sinks.prepared = [&](const BodyMesh& body) { body_ = body_bytes(body); };
         sinks.goes_on_without = true;
-        recover_all(reference, targets, options, sinks, progress_);
+        const auto read = [&](std::size_t k) {
+            return read_as(cases_[k]->target, cases_[k]->target_name);
+        };
+        recover_each(reference, cases_.size(), read, options, sinks, progress_);
     }
 
     Segmentation read_as(const fs::path& path, const std::string& alias) const {
@@ -133,20 +133,6 @@ private:
         read.name = alias;
         for (std::string& warning : read.warnings) warning = aliases_.in(warning);
         return read;
-    }
-
-    std::vector<Segmentation> read_targets() {
-        std::vector<Segmentation> targets;
-        for (const CohortCase* c : cases_) {
-            try {
-                targets.push_back(read_as(c->target, c->target_name));
-                searched_.push_back(c);
-            } catch (const Error& error) {
-                if (error.code() == ErrorCode::cancelled) throw;
-                fail(*c, error);
-            }
-        }
-        return targets;
     }
 
     void fail(const CohortCase& c, const Error& error) const {
@@ -162,26 +148,29 @@ private:
         record.peak_memory_mb = peak_memory_mb();
         record.device = result.device.device;
         record.host = host_name();
+        record.flags = flags_of_result(result);
         for (const RegionResult& region : result.regions)
             if (region.unknown) record.regions.push_back(region_record(region, result));
         const fs::path patient_folder = folder_.patient_folder(patient_);
         if (plan_.keep == KeptFiles::compact)
             record.mesh = keep_mesh(result, body_, patient_folder / "reference");
-        write_case(patient_folder / c.id, record,
-                   [&](const fs::path& inside) { write_kept_result(result, plan_.keep, inside); });
+        write_case(patient_folder / c.id, record, [&](const fs::path& inside) {
+            write_kept_result(result, plan_.keep, inside);
+            const std::string card = case_card(result);
+            if (!card.empty()) write_text_file(inside / case_card_name, card);
+        });
         tell_({PatientEvent::Kind::done, c.id, 0, "", record});
     }
 
     CohortFolder folder_;
-    CohortPlan plan_;
-    const CohortPatient& patient_;
+    PlanHead plan_;
+    CohortPatient patient_;
     const TellEvent& tell_;
     ProgressSink progress_;
     Aliases aliases_;
     std::string toml_;
-    std::string body_;                         ///< bytes of the mesh, where it is kept
-    std::vector<const CohortCase*> cases_;     ///< of the job, without a result
-    std::vector<const CohortCase*> searched_;  ///< those whose volumes could be read
+    std::string body_;                      ///< bytes of the mesh, where it is kept
+    std::vector<const CohortCase*> cases_;  ///< of the job, without a result
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "host/cohort/cohort_plan.hpp"
 #include "host/cohort/patient_events.hpp"
+#include "host/cohort/plan_file.hpp"
 #include "solver/base/log.hpp"
 
 namespace palpate {
@@ -32,7 +33,7 @@ int run_patient(const PatientJob& job, const TellEvent& tell, const ProgressSink
 /// The same for a plan with a `test_stub_s`, to test runners with: sleeps in the place of every
 /// computation, and does what ids ask for: "crash", "hang", "silent" (ends well, without a
 /// result), "fail-4" (ends with that code); "once" after that only in a first attempt.
-int run_stub_patient(const CohortPlan& plan, const PatientJob& job, const TellEvent& tell);
+int run_stub_patient(const PlanFile& plan, const PatientJob& job, const TellEvent& tell);
 
 /// The cases of a job that the plan has and does not exclude, in its order.
 std::vector<const CohortCase*> cases_of(const CohortPatient& patient, const PatientJob& job);

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace palpate {
 struct NextWork {
     std::vector<std::string> cases;
     bool on_reference_backend = false;
+    double limit_factor = 1;  ///< how much longer than usual it may take
 };
 
 /// A case that is over without a result.
@@ -27,7 +29,8 @@ struct FinalFailure {
 
 /// The cases of one patient that are still to be done, and how often each was tried: first all
 /// together, then each that crashed alone, the last time on the reference back end. Bad input
-/// (codes 2 to 6) is final at once.
+/// (codes 2 to 6) is final at once. What took too long (code 9) is tried once more, with twice the
+/// time: a slow machine looks like a process that hangs.
 class PatientQueue {
 public:
     PatientQueue(std::vector<std::string> waiting, int most_attempts);
@@ -44,7 +47,9 @@ public:
 private:
     std::vector<std::string> order_;
     std::map<std::string, int> attempts_;  ///< of those that are neither done nor over
+    std::set<std::string> late_;           ///< those of them that took too long once
     int of_all_ = 0;                       ///< attempts that ended before any case
+    bool is_all_late_ = false;
     int most_attempts_;
 };
 

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
-#include <set>
+#include <cstdint>
+#include <unordered_map>
 
 namespace palpate {
 namespace {
@@ -36,12 +36,12 @@ void check_columns(DelimitedText& table) {
 /// One row, cell by cell.
 class RowCheck {
 public:
-    RowCheck(DelimitedText& table, std::size_t row, const std::filesystem::path& folder)
+    RowCheck(DelimitedText& table, const RawRow& row, const std::filesystem::path& folder)
         : table_(table), row_(row), folder_(folder), faults_before_(table.faults.size()) {}
 
     std::string text(const char* column) const {
         const auto at = table_.find(column);
-        return at ? table_.rows[row_][*at] : "";
+        return at ? row_.cells[*at] : "";
     }
     std::string id(const char* column, bool is_needed) {
         const std::string found = text(column);
@@ -51,26 +51,26 @@ public:
                                        found));
         return found;
     }
-    std::filesystem::path file(const char* column, bool is_needed) {
+    std::string file(const char* column, bool is_needed) {
         const std::string found = text(column);
         if (found.empty() && is_needed) refuse(column, "the cell is empty; it must name a file");
-        return found.empty() ? std::filesystem::path() : (folder_ / found).lexically_normal();
+        return found.empty() ? "" : (folder_ / found).lexically_normal().string();
     }
     void refuse(const char* column, const std::string& why) {
-        table_.faults.push_back({table_.lines[row_], column, why});
+        table_.faults.push_back({row_.line, column, why});
     }
     bool is_good() const { return table_.faults.size() == faults_before_; }
 
 private:
     DelimitedText& table_;
-    std::size_t row_;
+    const RawRow& row_;
     const std::filesystem::path& folder_;
     std::size_t faults_before_;
 };
 
-PlanRequestRow read_row(DelimitedText& table, RowCheck& check, std::size_t row) {
+PlanRequestRow read_row(RowCheck& check, std::size_t line) {
     PlanRequestRow read;
-    read.line = table.lines[row];
+    read.line = line;
     read.participant_id = check.id("participant_id", true);
     read.session_id = check.id("session_id", false);
     read.case_id = check.id("case_id", false);
@@ -102,30 +102,40 @@ bool is_cohort_id(const std::string& id) {
            });
 }
 
-std::vector<PlanRequestRow> plan_rows(DelimitedText& table, const std::filesystem::path& folder) {
-    const bool has_header = !table.columns.empty();
-    if (has_header) check_columns(table);
-    for (const TableFault& fault : table.faults)
-        if (fault.line <= 1) return {};  // rows cannot be understood
-    std::vector<PlanRequestRow> rows;
-    std::map<std::string, std::size_t> line_of;
-    for (std::size_t k = 0; k < table.rows.size(); ++k) {
-        RowCheck check(table, k, folder);
-        PlanRequestRow row = read_row(table, check, k);
+std::vector<TableFault> for_each_plan_row(std::string_view text, const DelimitedFormat& format,
+                                          const std::filesystem::path& folder,
+                                          const std::function<void(PlanRequestRow& row)>& take) {
+    DelimitedText table;
+    bool is_checked = false, is_understood = true;
+    std::size_t rows = 0;
+    std::unordered_map<std::uint64_t, std::size_t> line_of;  // hashes of what stands only once
+    read_delimited(text, format, table, [&](RawRow& raw) {
+        ++rows;
+        if (!is_checked) {
+            is_checked = true;
+            check_columns(table);
+            is_understood = std::none_of(table.faults.begin(), table.faults.end(),
+                                         [](const TableFault& fault) { return fault.line <= 1; });
+        }
+        if (!is_understood) return;
+        RowCheck check(table, raw, folder);
+        PlanRequestRow row = read_row(check, raw.line);
         const auto refuse_second = [&](const std::string& name, const char* column) {
-            const auto [found, is_new] = line_of.try_emplace(name, row.line);
+            const auto [found, is_new] =
+                line_of.try_emplace(std::hash<std::string>{}(name), row.line);
             if (!is_new) check.refuse(column, fmt::format("line {} has the same", found->second));
         };
         if (!row.case_id.empty())
             refuse_second("case\n" + row.participant_id + '\n' + row.case_id, "case_id");
-        refuse_second("pair\n" + row.participant_id + '\n' + row.reference.string() + '\n' +
-                          row.target.string() + '\n' + row.config,
+        refuse_second("pair\n" + row.participant_id + '\n' + row.reference + '\n' + row.target +
+                          '\n' + row.config,
                       "target");
-        if (check.is_good()) rows.push_back(std::move(row));
-    }
-    if (table.rows.empty() && table.faults.empty())
+        if (check.is_good()) take(row);
+    });
+    if (!is_checked && !table.columns.empty()) check_columns(table);
+    if (rows == 0 && table.faults.empty())
         table.faults.push_back({0, "", "the table has a header and no rows"});
-    return rows;
+    return std::move(table.faults);
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -16,15 +17,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <random>
 #include <set>
 #include <tuple>
 
+#include "host/cohort/case_states.hpp"
 #include "host/cohort/claim.hpp"
 #include "host/cohort/cohort_folder.hpp"
 #include "host/cohort/patient.hpp"
 #include "host/cohort/patient_events.hpp"
 #include "host/cohort/patient_queue.hpp"
+#include "host/cohort/plan_file.hpp"
 #include "host/cohort/supervised_child.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/system/interrupt.hpp"
@@ -46,38 +48,16 @@ double seconds_since(Clock::time_point then) {
 
 /// A patient in work: its claim, what is left of it, the process of now.
 struct InWork {
-    const CohortPatient* patient;
+    std::unique_ptr<const CohortPatient> patient;
     Claim claim;
     PatientQueue queue;
     std::unique_ptr<SupervisedChild> child = nullptr;
     std::string current = {};  ///< case; empty: the reference
     Clock::time_point last_event = {}, asked_to_end = {};
     bool is_late = false;
+    double limit_s = 0;                     ///< of its process
     std::set<std::string> unreported = {};  ///< cases that its process was asked for
     bool has_device_failure = false;
-};
-
-/// Appends, so that lines of a process that is killed are torn at most at their end.
-class JournalFile {
-public:
-    explicit JournalFile(const fs::path& folder)
-        : path_(folder / fmt::format("{}-{}-{:08x}.rows", host_name(), ::getpid(),
-                                     std::random_device()())) {}
-    ~JournalFile() {
-        if (file_ >= 0) ::close(file_);
-    }
-    JournalFile(const JournalFile&) = delete;
-    JournalFile& operator=(const JournalFile&) = delete;
-    void add(const std::string& line) {
-        if (file_ < 0)
-            file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-        const ssize_t ignored = ::write(file_, line.data(), line.size());
-        (void)ignored;  // a cache: without the row the case folder is read
-    }
-
-private:
-    fs::path path_;
-    int file_ = -1;
 };
 
 /// The work of one call of `run_cohort`.
@@ -87,25 +67,27 @@ public:
         : options_(options),
           progress_(progress),
           folder_(options.folder),
-          plan_(read_plan(options.folder)),
-          limit_s_(limit_s(plan_)),
-          journal_(options.folder / "journal") {
-        std::vector<double> estimates;
-        for (const CohortPatient& patient : plan_.patients) estimates.push_back(patient.estimate_s);
-        const Journals journals(folder_);
+          plan_(options.folder),
+          limit_s_(limit_s(plan_.head())),
+          journal_(folder_) {
+        // The journals are worth reading only by who needs most of them.
+        std::optional<CaseStates> all;
+        if (options.shard.count == 1) all.emplace(folder_);
+        const std::vector<double> estimates = plan_.estimates_s();
         const auto shards = balanced_shards(estimates, options.shard.count);
+        std::set<std::string> missing(options.only.begin(), options.only.end());
         for (const std::size_t k : shards[options.shard.number - 1]) {
-            const CohortPatient& patient = plan_.patients[k];
-            const std::vector<CaseState> states = states_of(folder_, journals, patient);
-            bool is_whole = true;
-            for (std::size_t c = 0; c < states.size(); ++c) {
-                if (states[c].status == CaseStatus::excluded) continue;
-                ++run_.num_cases;
-                is_whole &= !is_to_do(states[c].status);
-                if (!is_to_do(states[c].status)) count(patient.cases[c], states[c].status);
-            }
-            if (!is_whole) waiting_.push_back(&patient);
+            const CohortPatient patient = plan_.patient(k);
+            if (!is_asked(patient)) continue;
+            missing.erase(patient.participant_id);
+            if (is_whole(patient, all)) continue;
+            waiting_.push_back(k);
+            left_s_ += estimates[k];
         }
+        if (!missing.empty() && options.shard.count == 1)
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("--only {}: the plan has no such participant", *missing.begin()));
     }
 
     CohortRun run() {
@@ -124,14 +106,46 @@ public:
     }
 
 private:
+    bool is_asked(const CohortPatient& patient) const {
+        return options_.only.empty() || std::find(options_.only.begin(), options_.only.end(),
+                                                  patient.participant_id) != options_.only.end();
+    }
+
+    /// Counts the cases of a patient that are over; whether all are.
+    bool is_whole(const CohortPatient& patient, const std::optional<CaseStates>& all) {
+        std::vector<CaseState> states;
+        if (all) {
+            states = all->of(patient, false);
+        } else {
+            for (const CohortCase& c : patient.cases)
+                states.push_back(folder_.state_of(patient, c));
+        }
+        bool is_whole = true;
+        for (const CaseState& state : states) {
+            run_.num_cases += state.status != CaseStatus::excluded;
+            is_whole &= !is_to_do(state.status);
+        }
+        for (std::size_t c = 0; c < states.size(); ++c) {
+            if (is_to_do(states[c].status)) continue;
+            if (is_whole)
+                add(states[c].status);  // nobody comes back to it
+            else
+                count(patient, patient.cases[c], states[c].status);
+        }
+        return is_whole;
+    }
+
     bool is_to_do(CaseStatus status) const {
         return status == CaseStatus::waiting || status == CaseStatus::stale ||
                (status == CaseStatus::failed && options_.retry_failed);
     }
 
     /// Each case once, whoever did it.
-    void count(const CohortCase& c, CaseStatus status) {
-        if (!counted_.insert(&c).second) return;
+    void count(const CohortPatient& patient, const CohortCase& c, CaseStatus status) {
+        if (counted_.insert(patient.id + "/" + c.id).second) add(status);
+    }
+
+    void add(CaseStatus status) {
         run_.done += status == CaseStatus::done;
         run_.not_converged += status == CaseStatus::not_converged;
         run_.failed += status == CaseStatus::failed;
@@ -142,9 +156,8 @@ private:
     void report() {
         std::string text = fmt::format("{} of {} cases", num_over(), run_.num_cases);
         if (run_.failed > 0) text += fmt::format(", {} failed", run_.failed);
-        if (done_here_ > 0) {
-            const double left =
-                double(run_.num_cases - num_over()) * seconds_since(begin_) / double(done_here_);
+        if (finished_s_ > 0) {  // by patients: their first pair takes longest
+            const double left = left_s_ * seconds_since(begin_) / finished_s_;
             text += left < 90 ? fmt::format(", {:.0f} s left", left)
                               : fmt::format(", {:.0f} min left", left / 60);
         }
@@ -180,7 +193,7 @@ private:
     void check_room() {
         struct statvfs disk {};
         if (::statvfs(folder_.path().c_str(), &disk) != 0) return;
-        const double cases = plan_.keep == KeptFiles::all ? 240e6 : 0;
+        const double cases = plan_.head().keep == KeptFiles::all ? 240e6 : 0;
         if (double(disk.f_bavail) * double(disk.f_frsize) < least_free_bytes + cases)
             stop_with(ErrorCode::output_failed,
                       fmt::format("{}: the disk is almost full; make room, and run again: what is "
@@ -197,14 +210,16 @@ private:
         last_claims_ = Clock::now();
         for (std::size_t tries = waiting_.size();
              tries > 0 && in_work_.size() < std::size_t(options_.jobs); --tries) {
-            const CohortPatient* patient = waiting_.front();
+            const std::size_t position = waiting_.front();
             waiting_.pop_front();
-            if (!begin(*patient)) waiting_.push_back(patient);  // somebody else works on it
+            if (!begin(position)) waiting_.push_back(position);  // somebody else works on it
         }
     }
 
     /// False if its claim is held elsewhere.
-    bool begin(const CohortPatient& patient) {
+    bool begin(std::size_t position) {
+        auto of_plan = std::make_unique<const CohortPatient>(plan_.patient(position));
+        const CohortPatient& patient = *of_plan;
         folder_.make_place_of(patient);
         auto claim = Claim::take(folder_.claim_file(patient));
         if (!claim) return false;
@@ -216,11 +231,14 @@ private:
             if (is_to_do(status))
                 ids.push_back(c.id);
             else
-                count(c, status);  // perhaps done elsewhere meanwhile
+                count(patient, c, status);  // perhaps done elsewhere meanwhile
         }
-        if (ids.empty()) return true;
-        in_work_.push_back(
-            {&patient, std::move(*claim), PatientQueue(std::move(ids), plan_.limits.attempts)});
+        if (ids.empty()) {
+            left_s_ -= patient.estimate_s;
+            return true;
+        }
+        in_work_.push_back({std::move(of_plan), std::move(*claim),
+                            PatientQueue(std::move(ids), plan_.head().limits.attempts)});
         start(in_work_.back());
         return true;
     }
@@ -234,6 +252,7 @@ private:
         if (next.on_reference_backend) words.push_back("--on-reference-backend");
         work.current.clear();
         work.is_late = false;
+        work.limit_s = limit_s_ * next.limit_factor;
         work.unreported = {next.cases.begin(), next.cases.end()};
         work.last_event = Clock::now();
         work.child =
@@ -270,14 +289,14 @@ private:
     void note_done(InWork& work, const CaseRecord& record) {
         for (const CohortCase& c : work.patient->cases) {
             if (c.id != record.case_id) continue;
-            journal_.add(journal_line(record, inode_of(folder_.case_folder(*work.patient, c))));
+            journal_.add(record, inode_of(folder_.case_folder(*work.patient, c)));
             std::error_code ignored;
             fs::remove(folder_.failure_file(*work.patient, c), ignored);
-            count(c, record.converged ? CaseStatus::done : CaseStatus::not_converged);
+            count(*work.patient, c,
+                  record.converged ? CaseStatus::done : CaseStatus::not_converged);
         }
         work.queue.done(record.case_id);
         work.current.clear();
-        ++done_here_;
         device_failures_ = 0;
         write_held_back();
         tell(*work.patient, record.case_id, record.converged ? 0 : exit_code_not_converged, "");
@@ -296,7 +315,7 @@ private:
         for (FinalFailure& failure : work.queue.failed(case_id, code, sentence)) {
             if (code == exit_code_of(ErrorCode::device_failed)) {
                 work.has_device_failure = true;
-                held_back_.emplace_back(work.patient, failure, work.child->log_tail());
+                held_back_.emplace_back(*work.patient, failure, work.child->log_tail());
             } else {
                 device_failures_ = 0;
                 write(*work.patient, failure, work.child->log_tail());
@@ -305,7 +324,7 @@ private:
     }
 
     void write_held_back() {
-        for (const auto& [patient, failure, log] : held_back_) write(*patient, failure, log);
+        for (const auto& [patient, failure, log] : held_back_) write(patient, failure, log);
         held_back_.clear();
     }
 
@@ -316,7 +335,7 @@ private:
             make_folders(file.parent_path());
             replace_text(file, failure_text({c.key, failure.sentence, host_name(), log,
                                              failure.code, failure.attempts}));
-            count(c, CaseStatus::failed);
+            count(patient, c, CaseStatus::failed);
         }
         tell(patient, failure.case_id, failure.code, failure.sentence);
     }
@@ -345,11 +364,14 @@ private:
         append_log(work);
         work.child.reset();
         stop_without_device(work);
-        return work.queue.is_empty();
+        if (!work.queue.is_empty()) return false;
+        left_s_ -= work.patient->estimate_s;
+        finished_s_ += work.patient->estimate_s;
+        return true;
     }
 
     void end_if_late(InWork& work) {
-        if (!work.is_late && seconds_since(work.last_event) > limit_s_) {
+        if (!work.is_late && seconds_since(work.last_event) > work.limit_s) {
             work.is_late = true;
             work.asked_to_end = Clock::now();
             work.child->signal_group(SIGTERM);
@@ -368,7 +390,7 @@ private:
                               ::strsignal(end.signal));
         int code = end.exit_code > 0 ? end.exit_code : exit_code_of(ErrorCode::internal);
         if (work.is_late) {
-            why = fmt::format("it took longer than {:g} s", limit_s_);
+            why = fmt::format("it took longer than {:g} s", work.limit_s);
             code = exit_code_of(ErrorCode::time_limit);
         }
         note_failure(work, work.current, code, why);
@@ -399,18 +421,18 @@ private:
     const CohortRunOptions& options_;
     const ProgressSink& progress_;
     CohortFolder folder_;
-    CohortPlan plan_;
+    PlanFile plan_;
     double limit_s_;
     JournalFile journal_;
     CohortRun run_;
-    std::deque<const CohortPatient*> waiting_;
+    std::deque<std::size_t> waiting_;  ///< positions in the plan
     std::list<InWork> in_work_;
-    std::set<const CohortCase*> counted_;
+    std::set<std::string> counted_;  ///< patient/case, of patients with something left
     bool are_all_busy_ = false;
     Clock::time_point begin_ = Clock::now(), last_claims_ = {};
-    std::size_t done_here_ = 0;
+    double left_s_ = 0, finished_s_ = 0;  ///< estimates of patients
     int device_failures_ = 0;
-    std::vector<std::tuple<const CohortPatient*, FinalFailure, std::string>> held_back_;
+    std::vector<std::tuple<CohortPatient, FinalFailure, std::string>> held_back_;
     std::optional<std::string> output_failure_;
 };
 

@@ -9,12 +9,6 @@
 namespace palpate {
 namespace {
 
-struct RawRow {
-    std::size_t line = 0;
-    std::vector<std::string> cells;
-    std::string complaint;
-};
-
 std::string_view trimmed(std::string_view text) {
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
@@ -125,7 +119,8 @@ void take_header(RawRow& row, DelimitedText& table) {
     table.columns = std::move(row.cells);
 }
 
-void take_row(RawRow& row, bool takes_any_text, DelimitedText& table) {
+/// Whether it has no fault.
+bool check_row(const RawRow& row, bool takes_any_text, DelimitedText& table) {
     const std::size_t before = table.faults.size();
     if (!row.complaint.empty()) {
         table.faults.push_back({row.line, "", row.complaint});
@@ -140,9 +135,11 @@ void take_row(RawRow& row, bool takes_any_text, DelimitedText& table) {
                 table.faults.push_back({row.line, table.columns[k],
                                         "the cell holds control characters or is not UTF-8"});
     }
-    if (table.faults.size() > before) return;
-    table.rows.push_back(std::move(row.cells));
-    table.lines.push_back(row.line);
+    return table.faults.size() == before;
+}
+
+std::string_view without_mark(std::string_view text) {
+    return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
 }
 
 }  // namespace
@@ -153,17 +150,32 @@ std::optional<std::size_t> DelimitedText::find(std::string_view column) const {
     return static_cast<std::size_t>(found - columns.begin());
 }
 
+void for_each_row(std::string_view text, const DelimitedFormat& format,
+                  const std::function<void(RawRow&)>& take) {
+    RowReader reader(without_mark(text), format);
+    for (RawRow row; reader.next(row);) take(row);
+}
+
+void read_delimited(std::string_view text, const DelimitedFormat& format, DelimitedText& table,
+                    const std::function<void(RawRow&)>& take) {
+    bool has_header = false;
+    for_each_row(text, format, [&](RawRow& row) {
+        if (!has_header) {
+            take_header(row, table);
+            has_header = true;
+        } else if (check_row(row, format.takes_any_text, table)) {
+            take(row);
+        }
+    });
+    if (!has_header) table.faults.push_back({0, "", "the table is empty"});
+}
+
 DelimitedText parse_delimited(std::string_view text, const DelimitedFormat& format) {
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     DelimitedText table;
-    RowReader reader(text, format);
-    RawRow row;
-    if (!reader.next(row)) {
-        table.faults.push_back({0, "", "the table is empty"});
-        return table;
-    }
-    take_header(row, table);
-    while (reader.next(row)) take_row(row, format.takes_any_text, table);
+    read_delimited(text, format, table, [&](RawRow& row) {
+        table.rows.push_back(std::move(row.cells));
+        table.lines.push_back(row.line);
+    });
     return table;
 }
 

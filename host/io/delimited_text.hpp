@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +35,22 @@ struct DelimitedFormat {
     bool has_comments = false;    ///< lines that begin with #, and blanks round cells, are left out
     bool takes_any_text = false;  ///< line ends and control characters in cells are no fault
 };
+
+/// A row as it stands: no cell of it is checked.
+struct RawRow {
+    std::size_t line = 0;
+    std::vector<std::string> cells;
+    std::string complaint;  ///< about its quotes; empty: none
+};
+
+/// Reads rows as `parse_delimited` does, one after the other, the header like any other.
+void for_each_row(std::string_view text, const DelimitedFormat& format,
+                  const std::function<void(RawRow& row)>& take);
+
+/// The same as `parse_delimited`, for tables too long to be held: `take` gets each row without
+/// fault, and `rows` and `lines` stay empty. It may add faults to `table` meanwhile.
+void read_delimited(std::string_view text, const DelimitedFormat& format, DelimitedText& table,
+                    const std::function<void(RawRow& row)>& take);
 
 /// Reads a header and rows as RFC 4180 has them, for any separator: cells may stand in double
 /// quotes, in which a quote is doubled and lines may end. Empty lines are left out, a byte order

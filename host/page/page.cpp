@@ -11,10 +11,14 @@ namespace palpate {
 
 std::string page_html(const Page& page) {
     const bool has_scripts = !page.scripts.empty();
+    const std::string beside = page.takes_files_beside ? " file: 'self'" : "";
     return fill_template(
         page_html_template(),
-        {{"policy",
-          std::string("; img-src data:") + (has_scripts ? "; script-src 'unsafe-inline'" : "")},
+        {{"policy", "; img-src data:" + beside +
+                        (has_scripts ? "; script-src 'unsafe-inline'" + beside : "")},
+         {"nature", page.takes_files_beside
+                        ? "No connections: what it shows is in it and in the files beside it."
+                        : "One file, no connections: everything it shows is in it."},
          {"css", std::string(page_css()) + page.style},
          {"kind", escape_html(page.kind)},
          {"version", escape_html(page.version)},

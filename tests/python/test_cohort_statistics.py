@@ -46,6 +46,20 @@ def run(*command):
     return subprocess.run([sys.executable, "-m", "palpate.cohort", *map(str, command)], capture_output=True, text=True)
 
 
+def test_the_same_patient_with_and_without_sub_is_refused(tmp_path):
+    path = write(tmp_path, pd.DataFrame({"participant_id": ["01", "sub-02", "sub-01"], "stage": ["1", "2", "3"]}), "people.tsv")
+    with pytest.raises(CohortError, match="'01' and 'sub-01' are the same patient"):
+        read_participants(path)
+
+
+def test_pairs_that_a_person_rejected_do_not_enter(tmp_path):
+    table = pairs_table(np.random.default_rng(0)).assign(rating="")
+    table.loc[3, "rating"] = "reject"
+    table.loc[4, "rating"] = "unsure"
+    pairs = read_pairs(write(tmp_path, table))
+    assert len(pairs.used) == 111 and list(pairs.excluded["reason"]) == ["rejected in the gallery"]
+
+
 @pytest.mark.parametrize("r, p", [(0.662, 0.0370), (0.701, 0.0239), (0.704, 0.0231), (0.636, 0.0481)])
 def test_p_values_that_were_published(r, p):
     assert st.p_of_correlation(r, 10) == pytest.approx(p, abs=6e-5)

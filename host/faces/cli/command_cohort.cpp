@@ -30,6 +30,7 @@ struct PlanArguments {
 struct RunArguments {
     std::string cohort, shard = "1/1", progress = "bar";
     int jobs = 1;
+    std::vector<std::string> only;
     bool retry_failed = false;
 };
 
@@ -102,6 +103,7 @@ int run_whole(const RunArguments& a) {
     options.program = std::filesystem::read_symlink("/proc/self/exe");
     options.shard = shard_of(a.shard, [](const char* name) { return std::getenv(name); });
     options.jobs = a.jobs;
+    options.only = a.only;
     options.retry_failed = a.retry_failed;
     if (a.progress == "json")
         options.tell_case = [](const std::string& line) {
@@ -128,6 +130,7 @@ void add_run(CLI::App& app, Run& run) {
     command->add_option("--jobs", a->jobs, "Patients at a time, a core each")
         ->check(CLI::Range(1, 4096))
         ->capture_default_str();
+    command->add_option("--only", a->only, "These participants, not all")->type_name("ID");
     command->add_flag("--retry-failed", a->retry_failed, "Also cases that failed for good");
     command->add_option("--progress", a->progress, "bar, json (a line a case) or none")
         ->check(CLI::IsMember({"bar", "json", "none"}))
@@ -142,8 +145,8 @@ int run_one(const PatientJob& job) {
         if (::write(STDOUT_FILENO, line.data(), line.size()) != ssize_t(line.size()))
             throw Error(ErrorCode::cancelled, "the runner is gone");
     };
-    const CohortPlan plan = read_plan(job.cohort);
-    if (plan.test_stub_s) return run_stub_patient(plan, job, tell);
+    const PlanFile plan(job.cohort);
+    if (plan.head().test_stub_s) return run_stub_patient(plan, job, tell);
     return run_patient(job, tell, console_progress(false));
 }
 
@@ -175,15 +178,27 @@ void add_status(CLI::App& app, Run& run) {
 void add_collect(CLI::App& app, Run& run) {
     auto folder = std::make_shared<std::string>();
     auto mixed = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("collect", "Write pairs.tsv, patients.tsv, index.html");
+    auto ratings = std::make_shared<std::string>();
+    CLI::App* command =
+        app.add_subcommand("collect", "Write pairs.tsv, patients.tsv, index.html, gallery.html");
     command->add_option("cohort", *folder, "Its folder")->required()->type_name("FOLDER");
     command->add_flag("--mixed", *mixed, "Also results of other settings or inputs");
-    command->callback([folder, mixed, &run] {
-        run = [folder, mixed] {
-            const CohortStatus status = collect_cohort(*folder, *mixed, console_progress(false));
+    command
+        ->add_option("--ratings", *ratings,
+                     "What a person said of cases in the gallery; default: COHORT/ratings.tsv")
+        ->type_name("FILE");
+    command->callback([folder, mixed, ratings, &run] {
+        run = [folder, mixed, ratings] {
+            const CollectedCohort collected =
+                collect_cohort({*folder, *mixed, *ratings}, console_progress(false));
             end_progress_line();
-            fmt::print("{}page: {}/index.html, tables: {}/pairs.tsv, {}/patients.tsv\n",
-                       status_text(status), *folder, *folder, *folder);
+            fmt::print(
+                "{}page: {}/index.html, gallery: {}/gallery.html, tables: {}/pairs.tsv, "
+                "{}/patients.tsv\n",
+                status_text(collected.status), *folder, *folder, *folder, *folder);
+            if (collected.unused_ratings > 0)
+                fmt::print("{} ratings are of results that are no longer there, and not used\n",
+                           collected.unused_ratings);
             return 0;
         };
     });

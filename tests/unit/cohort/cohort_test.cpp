@@ -10,9 +10,9 @@
 
 #include "host/cohort/case_record.hpp"
 #include "host/cohort/claim.hpp"
-#include "host/cohort/collect.hpp"
 #include "host/cohort/content_key.hpp"
 #include "host/cohort/patient_queue.hpp"
+#include "host/cohort/plain_statistics.hpp"
 #include "host/cohort/plan_rows.hpp"
 #include "host/cohort/shards.hpp"
 #include "host/io/delimited_text.hpp"
@@ -63,19 +63,19 @@ TEST(PlanRows, RefuseOddIds) {
 }
 
 TEST(PlanRows, TellEveryFaultWithLineAndColumn) {
-    auto table = parse_delimited(
+    std::vector<PlanRequestRow> rows;
+    const auto faults = for_each_plan_row(
         "participant_id\treference\ttarget\tcase_id\talign\n"
         "a\tr.nii\tr.nii\t\t\n"
         "b b\tr.nii\tt.nii\t\tsideways\n"
         "c\tr.nii\tt.nii\tone\t\n"
         "c\tr.nii\tu.nii\tone\t\n"
         "d\t\tt.nii\treference\t\n",
-        {'\t'});
-    const auto rows = plan_rows(table, "/data");
+        {'\t'}, "/data", [&](const PlanRequestRow& row) { rows.push_back(row); });
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].reference, "/data/r.nii");
     std::set<std::pair<std::size_t, std::string>> found;
-    for (const TableFault& fault : table.faults) found.emplace(fault.line, fault.column);
+    for (const TableFault& fault : faults) found.emplace(fault.line, fault.column);
     const std::set<std::pair<std::size_t, std::string>> wanted{
         {2, "target"},  {3, "participant_id"}, {3, "align"},
         {5, "case_id"}, {6, "reference"},      {6, "case_id"}};
@@ -83,9 +83,9 @@ TEST(PlanRows, TellEveryFaultWithLineAndColumn) {
 }
 
 TEST(PlanRows, RefuseUnknownAndMissingColumns) {
-    auto table = parse_delimited("participant_id\treference\tage\n1\t2\t3\n", {'\t'});
-    EXPECT_TRUE(plan_rows(table, "/data").empty());
-    EXPECT_EQ(table.faults.size(), 2u);
+    const auto faults = for_each_plan_row("participant_id\treference\tage\n1\t2\t3\n", {'\t'},
+                                          "/data", [](PlanRequestRow&) { ADD_FAILURE(); });
+    EXPECT_EQ(faults.size(), 2u);
 }
 
 TEST(ContentKey, IsSha256) {  // FIPS 180-4, examples
@@ -184,6 +184,20 @@ TEST(PatientQueue, GoesOnWithTheOthersAndThenTriesAlone) {
     ASSERT_EQ(over.size(), 1u);
     EXPECT_EQ(over[0].attempts, 3);
     EXPECT_TRUE(queue.is_empty());
+}
+
+TEST(PatientQueue, GivesWhatTookTooLongTwiceTheTimeOnce) {
+    PatientQueue queue({"a", "b"}, 5);
+    const int late = exit_code_of(ErrorCode::time_limit);
+    EXPECT_TRUE(queue.failed("a", late, "late").empty());
+    EXPECT_EQ(queue.next().limit_factor, 1);  // of the others
+    queue.done("b");
+    EXPECT_EQ(queue.next().limit_factor, 2);
+    EXPECT_EQ(queue.failed("a", late, "late").size(), 1u);
+    PatientQueue of_reference({"a"}, 5);
+    EXPECT_TRUE(of_reference.failed("", late, "late").empty());
+    EXPECT_EQ(of_reference.next().limit_factor, 2);
+    EXPECT_EQ(of_reference.failed("", late, "late").size(), 1u);
 }
 
 TEST(PatientQueue, EndsWhatCannotGetBetterAtOnce) {

@@ -4,7 +4,9 @@
 
 #include <fmt/core.h>
 
+#include <functional>
 #include <future>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -95,11 +97,18 @@ ReadyLabels make_states(const std::vector<Segmentation>& targets, const Settings
     return states;
 }
 
-/// Tells of those with an error and leaves them out.
-void tell_unready(ReadyTargets& targets, const TargetSinks& tell) {
-    for (const auto& target : targets)
-        if (target.error) tell.failed(target.number, *target.error);
-    std::erase_if(targets, [](const auto& target) { return target.error.has_value(); });
+/// Gives one target after the other, in the frame of the reference; empty after the last.
+using NextTarget = std::unique_ptr<Ready<TargetState>>;
+using TargetStream = std::function<NextTarget(const ReferenceState& reference)>;
+
+/// The next that can be searched; those that cannot are told of.
+NextTarget next_ready(const TargetStream& targets, const ReferenceState& reference,
+                      const TargetSinks& tell) {
+    for (;;) {
+        NextTarget next = targets(reference);
+        if (!next || !next->error) return next;
+        tell.failed(next->number, *next->error);
+    }
 }
 
 /// The reference, as far as the alignment needs it: with its surfaces, or as it was saved.
@@ -210,19 +219,29 @@ void check_options(const RecoverOptions& options) {
                                 element_table(options.element).name));
 }
 
-/// Brings the targets into the frame of the reference, whose surfaces are known by then.
-using Align = std::function<ReadyTargets(const ReferenceState& reference)>;
+/// Targets that are brought into the frame of the reference all at once, when the first is asked
+/// for: one that does not fit is told early.
+TargetStream all_at_once(std::function<ReadyTargets(const ReferenceState& reference)> align) {
+    auto aligned = std::make_shared<std::optional<ReadyTargets>>();
+    auto at = std::make_shared<std::size_t>(0);
+    return [align = std::move(align), aligned, at](const ReferenceState& reference) {
+        if (!*aligned) *aligned = align(reference);
+        NextTarget next;
+        if (*at < (*aligned)->size())
+            next = std::make_unique<Ready<TargetState>>(std::move((**aligned)[(*at)++]));
+        return next;
+    };
+}
 
 void recover_aligned(LabelledState reference, std::optional<SavedReference> saved,
-                     const Align& align, const std::vector<std::string>& repeats,
+                     const TargetStream& targets, const std::vector<std::string>& repeats,
                      const RecoverOptions& options, StageTimer& timer, const TargetSinks& tell,
                      const ProgressSink& progress) {
     ReferenceState state = start_reference(std::move(reference), saved, options, timer, progress);
     timer.start("aligning");
-    ReadyTargets aligned = align(state);
-    tell_unready(aligned, tell);
-    if (aligned.empty()) return;
-    std::future<TargetShapes> next = start_target_shapes(*aligned.front().state, options.settings);
+    NextTarget ahead = next_ready(targets, state, tell);
+    if (!ahead) return;
+    std::future<TargetShapes> next = start_target_shapes(*ahead->state, options.settings);
     const PreparedReference prepared =
         finish_reference(std::move(state), std::move(saved), options, timer, progress);
     save(prepared, options, timer, progress);
@@ -230,17 +249,18 @@ void recover_aligned(LabelledState reference, std::optional<SavedReference> save
     if (tell.prepared) tell.prepared(prepared.mesh);
 
     JointTargets together;
-    for (std::size_t at = 0; at < aligned.size(); ++at) {
-        const std::size_t k = aligned[at].number;
-        TargetState& target = *aligned[at].state;
+    while (ahead) {
+        const NextTarget now = std::move(ahead);  // its shapes are being made from where it lies
+        const std::size_t k = now->number;
+        TargetState& target = *now->state;
         if (tell.started) tell.started(k);
         if (repeats.size() > 1) {
             report_progress(progress, fmt::format("target {}", k + 1), 0,
                             fmt::format("of {}: {}", repeats.size(), target.name));
         }
         std::future<TargetShapes> shapes = std::move(next);
-        if (at + 1 < aligned.size())
-            next = start_target_shapes(*aligned[at + 1].state, options.settings);
+        ahead = next_ready(targets, prepared.reference, tell);
+        if (ahead) next = start_target_shapes(*ahead->state, options.settings);
         try {
             JointTarget joint;
             RecoveryResult result = recover_target(prepared, target, std::move(shapes), options,
@@ -286,8 +306,30 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
         }
         return aligned;
     };
-    recover_aligned(std::move(reference_state), std::move(saved), align,
+    recover_aligned(std::move(reference_state), std::move(saved), all_at_once(align),
                     repetitions(reference, targets), options, timer, tell, progress);
+}
+
+void recover_each(const Segmentation& reference, std::size_t num_targets, const ReadTarget& read,
+                  const RecoverOptions& options, const TargetSinks& tell,
+                  const ProgressSink& progress) {
+    check_options(options);
+    StageTimer timer;
+    timer.start("reading");
+    std::optional<SavedReference> saved = read_saved(options, progress);
+    report_progress(progress, "reading", 0, "smoothing the segmentation");
+    std::size_t at = 0;
+    const TargetStream one_by_one = [&](const ReferenceState& state) {
+        if (at == num_targets) return NextTarget();
+        const std::size_t k = at++;
+        return std::make_unique<Ready<TargetState>>(made_ready(k, tell, [&] {
+            return align_target(make_state(read(k), options.settings), state, options, progress);
+        }));
+    };
+    TargetSinks alone = tell;
+    alone.joint = nullptr;  // which must know all volumes
+    recover_aligned(make_state(reference, options.settings), std::move(saved), one_by_one,
+                    std::vector<std::string>(num_targets), options, timer, alone, progress);
 }
 
 RecoveryResult recover(const Segmentation& reference, const PartialTarget& target,
@@ -305,8 +347,8 @@ RecoveryResult recover(const Segmentation& reference, const PartialTarget& targe
     };
     RecoveryResult only;
     const auto keep = [&](std::size_t, RecoveryResult result, double) { only = std::move(result); };
-    recover_aligned(make_state(reference, options.settings), std::move(saved), place, {""}, options,
-                    timer, {keep}, progress);
+    recover_aligned(make_state(reference, options.settings), std::move(saved), all_at_once(place),
+                    {""}, options, timer, {keep}, progress);
     return only;
 }
 

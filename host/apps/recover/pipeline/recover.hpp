@@ -63,4 +63,12 @@ void recover_all(const Segmentation& reference, const std::vector<Segmentation>&
                  const RecoverOptions& options, const TargetSinks& tell,
                  const ProgressSink& progress = {});
 
+/// The same without a joint estimate, for as many targets as there are: each is read by `read` when
+/// the one before is searched, so that two are in memory at a time. What is wrong with one is told
+/// then.
+using ReadTarget = std::function<Segmentation(std::size_t target)>;
+void recover_each(const Segmentation& reference, std::size_t num_targets, const ReadTarget& read,
+                  const RecoverOptions& options, const TargetSinks& tell,
+                  const ProgressSink& progress = {});
+
 }  // namespace palpate

@@ -93,6 +93,8 @@ def reason_to_exclude(row) -> str:
         return "search did not converge"
     if row["code"] not in ("", "0", "n/a"):
         return f"failed with code {row['code']}"
+    if row.get("rating", "") == "reject":
+        return "rejected in the gallery"
     if row["verdict"] not in TOLD:
         return row["verdict"] or "no estimate"
     if not (np.isfinite(row["e_kpa"]) and row["e_kpa"] > 0 and np.isfinite(row["ln_e"])):
@@ -132,6 +134,11 @@ def read_participants(path) -> pd.DataFrame:
     ids = table["participant_id"]
     if ids.duplicated().any():
         raise CohortError(f"{path}: participant_id '{ids[ids.duplicated()].iloc[0]}' stands twice; one row a patient")
+    short = ids.str.removeprefix("sub-")
+    if short.duplicated().any():
+        both = sorted(ids[short == short[short.duplicated()].iloc[0]])
+        raise CohortError(f"{path}: participant_id '{both[0]}' and '{both[1]}' are the same patient, with and without 'sub-'; "
+                          "keep one of them")
     return table.set_index("participant_id")
 
 

@@ -16,7 +16,8 @@ from .association import RESAMPLES, SEED, resampled
 class Discrimination:
     """Area under the ROC curve: how often a patient of the higher class is the stiffer of two.
 
-    p         Mann and Whitney, two-sided, exact without ties
+    p         Mann and Whitney, two-sided: exact where one class has at most 8 patients and no two values are equal, else the
+              normal approximation with corrections for continuity and ties (method "auto" of SciPy)
     interval  95 %, bootstrap by patient
     classes   what is told apart, "T3 from below"
     """

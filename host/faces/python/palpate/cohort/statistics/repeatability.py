@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: The palpate developers
 # SPDX-License-Identifier: Apache-2.0
-"""How much ln E differs between patients, and between scans of one patient."""
+"""How much ln E differs between patients, and between scans of one patient.
+
+ln E of the pairs, each with its prior: what a prior of sd s takes off a difference is the share (sd_ln / s)^2 of it, 0.7 % for
+sd_ln 0.1 and s 1.2, but 6 % for 0.3. Scans of which many are weak differ by a little more than this says.
+"""
 from __future__ import annotations
 
 import math
