@@ -12,18 +12,15 @@
 
 namespace palpate {
 
-/// Laws whose stress knows no difference between the Piola stresses.
-template <class Law>
-constexpr bool is_small_strain = std::is_same_v<Law, LinearLaw<double>>;
 template <class Relaxation>
 struct ViscousStep;
 template <class Relaxation>
-constexpr bool is_small_strain<ViscousStep<Relaxation>> =
+inline constexpr bool is_small_strain<ViscousStep<Relaxation>> =
     is_small_strain<typename Relaxation::Whole>;
 template <class Law>
-constexpr bool is_viscous_step = false;
+inline constexpr bool is_viscous_step = false;
 template <class Relaxation>
-constexpr bool is_viscous_step<ViscousStep<Relaxation>> = true;
+inline constexpr bool is_viscous_step<ViscousStep<Relaxation>> = true;
 
 /// F^-1 p or, transposed, F^-T p; for small strains p itself.
 template <bool small_strain>

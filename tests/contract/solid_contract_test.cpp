@@ -43,8 +43,7 @@ std::string case_name(const testing::TestParamInfo<Case>& entry) {
 bool is_plane(const SolidModel& model) { return model.mesh.formulation != Formulation::solid; }
 
 bool is_supported(const SolidModel& model) {
-    return model.volume == VolumeTreatment::pointwise &&
-           model.mesh.formulation != Formulation::plane_stress;
+    return model.mesh.formulation != Formulation::plane_stress;
 }
 
 /// Strains of about `size`, on top of a translation.
