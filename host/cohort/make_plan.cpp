@@ -151,10 +151,11 @@ private:
                 std::string stem = file.stem().string();
                 if (!is_cohort_id(stem)) stem = "organs";
                 found->second.first = fmt::format("{}-{}", stem, sha256_of(toml).substr(0, 8));
-                const bool is_known = std::any_of(
-                    out_.settings.begin(), out_.settings.end(),
-                    [&](const auto& known) { return known.first == found->second.first; });
-                if (!is_known) out_.settings.emplace_back(found->second.first, toml);
+                const std::string& config = found->second.first;
+                const bool is_known =
+                    std::any_of(out_.settings.begin(), out_.settings.end(),
+                                [&](const auto& known) { return known.first == config; });
+                if (!is_known) out_.settings.emplace_back(config, toml);
             } catch (const Error& error) {
                 found->second.second = error.what();
             }

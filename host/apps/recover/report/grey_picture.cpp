@@ -116,7 +116,7 @@ float mean_over_voxel(const Image<float>& image, const Cutting& cutting,
 std::vector<float> resampled(const Image<float>& image, const Cutting& cutting,
                              const RigidTransform& to_image) {
     std::vector<float> values(cutting.num_voxels());
-    const auto [columns, rows, slices] = cutting.size;
+    const auto columns = cutting.size[0], rows = cutting.size[1], slices = cutting.size[2];
     parallel_ranges(std::size_t(rows) * slices, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row)
             for (Index i = 0; i < columns; ++i)

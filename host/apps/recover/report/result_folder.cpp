@@ -29,10 +29,11 @@ void check_targets_folder(const fs::path& folder, const std::vector<std::string>
 void write_targets_files(const fs::path& folder, const std::string& table,
                          const std::string& page) {
     make_folders(folder);
-    for (const auto& [name, text] :
+    for (const auto& file :
          {std::pair{targets_file_name, &table}, std::pair{targets_page_name, &page}})
-        write_atomically(folder / name,
-                         [&](const fs::path& temporary) { write_text_file(temporary, *text); });
+        write_atomically(folder / file.first, [&](const fs::path& temporary) {
+            write_text_file(temporary, *file.second);
+        });
 }
 
 void write_result_files(const RecoveryResult& result, const fs::path& inside,
