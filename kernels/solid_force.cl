@@ -24,14 +24,15 @@ PALPATE_KERNEL void solid_force(global const real* coefficients, global const in
     real stored = 0;
     real force[3 * NODES_PER_ELEMENT];
     for (int k = 0; k < 3 * NODES_PER_ELEMENT; ++k) force[k] = 0;
-    int is_valid = 1;
+    const element_mean mean = mean_of_element(&law, nodes, point_of(points, element, 0), u);
+    int is_valid = mean.is_valid;
     for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
         global const real* point = point_of(points, element, q);
-        const law_state s = state_at(&law, nodes, point, u);
-        is_valid = is_valid && s.is_valid;
+        const point_response r = response_at(&law, &mean, nodes, point, u);
+        is_valid = is_valid && r.state.is_valid;
         real p[9];
-        law_stress(&law, &s, p);
-        stored += point[VOLUME_AT] * law_energy(&law, &s);
+        response_stress(&law, &mean, &r, p);
+        stored += point[VOLUME_AT] * law_energy(&law, &r.state);
         for (int a = 0; a < NODES_PER_ELEMENT; ++a)
             for (int i = 0; i < 3; ++i) force[3 * a + i] += force_on(p, point, a, i);
     }

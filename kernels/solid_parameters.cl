@@ -20,16 +20,38 @@ PALPATE_KERNEL void solid_parameters(global const real* coefficients, global con
     const material_law law = load_law(coefficients, region[element]);
     real sums[LAW_PARAMETERS];
     for (int k = 0; k < LAW_PARAMETERS; ++k) sums[k] = 0;
-    int is_valid = 1;
+    const element_mean mean = mean_of_element(&law, nodes, point_of(points, element, 0), u);
+    int is_valid = mean.is_valid;
+#if HAS_MEAN_VOLUME
+    real theta_change = 0;  // along lambda
     for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
         global const real* point = point_of(points, element, q);
-        const law_state s = state_at(&law, nodes, point, u);
-        is_valid = is_valid && s.is_valid;
+        real slope[9], direction[9];
+        volume_slope_at(nodes, point, u, slope);
+        state_gradient(nodes, point, lambda, direction);
+        for (int i = 0; i < 9; ++i)
+            theta_change += point[VOLUME_AT] / mean.volume * slope[i] * direction[i];
+    }
+#endif
+    for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
+        global const real* point = point_of(points, element, q);
+        const point_response r = response_at(&law, &mean, nodes, point, u);
+        is_valid = is_valid && r.state.is_valid;
         real slope[9];
         state_gradient(nodes, point, lambda, slope);
+#if HAS_MEAN_VOLUME
+        tensor3 dh;
+        real lanes[COLUMN_WIDTH];
+        for (int i = 0; i < 9; ++i) dh.m[i] = (columns)(slope[i]);
+        dh = response_direction(&mean, &r, &dh, (columns)(theta_change));
+        for (int i = 0; i < 9; ++i) {
+            STORE_COLUMNS(dh.m[i], lanes);
+            slope[i] = lanes[0];
+        }
+#endif
         for (int k = 0; k < LAW_PARAMETERS; ++k) {
             real p[9];
-            law_parameter_stress(&law, &s, k, p);
+            law_parameter_stress(&law, &r.state, k, p);
             real work = 0;
             for (int i = 0; i < 9; ++i) work += p[i] * slope[i];
             sums[k] += point[VOLUME_AT] * work;

@@ -25,14 +25,35 @@ PALPATE_KERNEL void solid_product(global const real* coefficients, global const 
     vector3 force[NODES_PER_ELEMENT];
     for (int a = 0; a < NODES_PER_ELEMENT; ++a)
         for (int i = 0; i < 3; ++i) force[a].c[i] = (columns)(0);
-    int is_valid = 1;
+    const element_mean mean = mean_of_element(&law, nodes, point_of(points, element, 0), u);
+    const size_t column = (size_t)first_column + pass_column;
+    int is_valid = mean.is_valid;
+    columns theta_change = (columns)(0), pressure_change;
+#if HAS_MEAN_VOLUME
+    // dtheta = (1/V) sum volume dJ/dH : dH
+    columns mean_change = (columns)(0);
+    real slope_force[3 * NODES_PER_ELEMENT];
+    for (int k = 0; k < 3 * NODES_PER_ELEMENT; ++k) slope_force[k] = 0;
     for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
         global const real* point = point_of(points, element, q);
-        const law_state s = state_at(&law, nodes, point, u);
-        is_valid = is_valid && s.is_valid;
-        const tensor3 dh =
-            direction_gradient(nodes, point, x, num_columns, (size_t)first_column + pass_column);
-        const tensor3 dp = law_tangent_apply(&law, &s, &dh);
+        const tensor3 dh = direction_gradient(nodes, point, x, num_columns, column);
+        real slope[9];
+        volume_slope_at(nodes, point, u, slope);
+        for (int i = 0; i < 9; ++i)
+            theta_change += point[VOLUME_AT] / mean.volume * slope[i] * dh.m[i];
+        for (int a = 0; a < NODES_PER_ELEMENT; ++a)
+            for (int i = 0; i < 3; ++i) slope_force[3 * a + i] += force_on(slope, point, a, i);
+    }
+#endif
+    for (int q = 0; q < POINTS_PER_ELEMENT; ++q) {
+        global const real* point = point_of(points, element, q);
+        const point_response r = response_at(&law, &mean, nodes, point, u);
+        is_valid = is_valid && r.state.is_valid;
+        const tensor3 dh = direction_gradient(nodes, point, x, num_columns, column);
+        const tensor3 dp = response_change(&law, &mean, &r, &dh, theta_change, &pressure_change);
+#if HAS_MEAN_VOLUME
+        mean_change += point[VOLUME_AT] / mean.volume * pressure_change;
+#endif
         const real volume = point[VOLUME_AT];
         for (int a = 0; a < NODES_PER_ELEMENT; ++a) {
             for (int i = 0; i < 3; ++i)
@@ -44,6 +65,11 @@ PALPATE_KERNEL void solid_product(global const real* coefficients, global const 
 #endif
         }
     }
+#if HAS_MEAN_VOLUME
+    // dpi c
+    for (int a = 0; a < NODES_PER_ELEMENT; ++a)
+        for (int i = 0; i < 3; ++i) force[a].c[i] += mean_change * slope_force[3 * a + i];
+#endif
     for (int a = 0; a < NODES_PER_ELEMENT; ++a)
         for (int i = 0; i < 3; ++i) {
             const size_t slot = 3 * (NODES_PER_ELEMENT * element + a) + i;

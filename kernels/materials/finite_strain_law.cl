@@ -4,6 +4,8 @@
 // From the response of a law to energy, stress and tangent, the same for every law before it. A
 // state is one point; directions have COLUMN_WIDTH columns. Not valid: see `is_valid`; the energy
 // is infinite then, the rest zero.
+#define LAW_IS_SMALL_STRAIN 0
+
 typedef struct {
     finite_strain strain;
     response values;

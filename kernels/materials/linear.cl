@@ -58,6 +58,7 @@ static inline void add_material_block(const material* law, const real* g, const 
 // their derivatives by stiffness and by Poisson's ratio: mu', mu', lambda', lambda'.
 #define LAW_COEFFICIENTS 6
 #define LAW_PARAMETERS 2
+#define LAW_IS_SMALL_STRAIN 1
 
 typedef struct {
     real mu;

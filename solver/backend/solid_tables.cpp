@@ -19,8 +19,6 @@ void refuse_unsupported(const SolidModel& model, const std::string& backend) {
     };
     if (model.mesh.formulation == Formulation::plane_stress)
         unsupported("element loops of plane stress");
-    if (model.volume == VolumeTreatment::element_mean)
-        unsupported("element loops with the mean volume of each element");
 }
 
 std::vector<double> flat_points(const SolidMesh& mesh, const SolidLayout& layout) {
@@ -81,7 +79,8 @@ SolidTables solid_tables(const SolidModel& model, const std::string& backend) {
     const SolidMesh& mesh = model.mesh;
     SolidTables tables;
     tables.layout = {mesh.table().num_nodes, mesh.table().num_points,
-                     mesh.formulation == Formulation::axisymmetric};
+                     mesh.formulation == Formulation::axisymmetric,
+                     model.volume == VolumeTreatment::element_mean};
     tables.num_nodes = mesh.num_nodes();
     tables.elements = mesh.elements;
     tables.region = mesh.region;

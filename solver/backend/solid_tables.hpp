@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "solver/model/block_matrix.hpp"
-#include "solver/model/solid_element.hpp"
+#include "solver/model/solid_geometry.hpp"
 #include "solver/model/solid_model.hpp"
 
 namespace palpate {
@@ -37,7 +37,7 @@ struct SolidTables {
 };
 
 /// Throws Error(invalid_argument) as `check_model` does, and Error(unsupported) naming `backend`
-/// for plane stress and mean volumes, which device loops do not have.
+/// for plane stress, which device loops do not have.
 SolidTables solid_tables(const SolidModel& model, const std::string& backend);
 
 /// For every number below `count` the places where `values` has it, ascending: what gathers the

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "solver/base/tensor3.hpp"
-#include "solver/model/solid_element.hpp"
+#include "solver/model/solid_geometry.hpp"
 #include "solver/model/solid_model.hpp"
 
 namespace palpate {
@@ -16,10 +16,19 @@ namespace palpate {
 struct ElementPoints {
     std::span<const Index> nodes;
     std::span<const PointGeometry> geometry;  ///< [num_points]
+
+    // The interface of `SolidElement`:
+    int num_points() const { return static_cast<int>(geometry.size()); }
+    SolidPoint<double> point(int q) const {
+        const PointGeometry& at = geometry[q];
+        return {static_cast<int>(nodes.size()), at.gradient[0].data(), at.hoop.data(), at.volume};
+    }
+    Tensor3<double> displacement_gradient_at(int q, const double* u) const {
+        return displacement_gradient(point(q), nodes.data(), u);
+    }
 };
 
-/// One tensor per point of an element.
-using PointTensors = std::array<Tensor3<double>, most_element_points>;
+using PointTensors = TensorsAtPoints<double>;
 
 inline SolidPoint<double> point_of(const ElementPoints& element, const PointGeometry& at) {
     return {static_cast<int>(element.nodes.size()), at.gradient[0].data(), at.hoop.data(),

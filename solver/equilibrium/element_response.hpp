@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <span>
 #include <type_traits>
 
-#include "solver/equilibrium/mean_dilatation.hpp"
-#include "solver/equilibrium/mean_trace.hpp"
 #include "solver/equilibrium/pointwise.hpp"
 #include "solver/equilibrium/viscous_step.hpp"
+#include "solver/model/mean_volume.hpp"
 
 // Energy, forces and stiffness of one element of any type, law and formulation.
 namespace palpate {
@@ -25,6 +25,20 @@ struct ElementForce {
 /// [nodes, nodes, 3, 3]
 using ElementStiffness = std::array<double, 9 * most_element_nodes * most_element_nodes>;
 
+/// The laws of an element's points, made once.
+template <class Law>
+class PointLaws {
+public:
+    template <class LawAt>
+    PointLaws(const LawAt& law_at, std::size_t count) {
+        for (std::size_t q = 0; q < count; ++q) laws_[q].emplace(law_at(q));
+    }
+    const Law& operator()(std::size_t q) const { return *laws_[q]; }
+
+private:
+    std::array<std::optional<Law>, most_element_points> laws_;
+};
+
 /// Calls `work` with the response of the element that formulation and volume treatment ask for.
 /// `law_at(q)`: the law of point q.
 template <class LawAt, class Work>
@@ -34,11 +48,8 @@ void with_response(const SolidModel& model, const LawAt& law_at, const ElementPo
     if (model.mesh.formulation == Formulation::plane_stress) {
         work(Pointwise<PlaneStressResponse<Law>>(law_at, element, u));
     } else if (model.volume == VolumeTreatment::element_mean) {
-        if constexpr (is_small_strain<Law>) {
-            work(MeanTrace<Law>(law_at, element, u));
-        } else {
-            work(MeanDilatation<Law>(law_at, element, u));
-        }
+        const PointLaws<Law> laws(law_at, element.geometry.size());
+        work(MeanVolume<Law, PointLaws<Law>, ElementPoints>(laws, element, u.data()));
     } else {
         work(Pointwise<FullResponse<Law>>(law_at, element, u));
     }
@@ -75,30 +86,9 @@ void add_stiffness(const Pointwise<PointResponse>& response, const ElementPoints
     }
 }
 
-/// Any response: from the forces that each dof's displacement gives rise to.
+/// Elements whose points share their volume change.
 template <class Response>
-void add_stiffness(const Response& response, const ElementPoints& element,
-                   ElementStiffness& stiffness) {
-    const std::size_t n = element.nodes.size();
-    PointTensors direction, change;
-    for (std::size_t b = 0; b < n; ++b)
-        for (int j = 0; j < 3; ++j) {
-            for (std::size_t q = 0; q < element.geometry.size(); ++q)
-                direction[q] = unit_gradient(element.geometry[q], b, j);
-            response.tangent_apply(direction, change);
-            double forces[3 * most_element_nodes] = {};
-            for (std::size_t q = 0; q < element.geometry.size(); ++q)
-                add_force(point_of(element, element.geometry[q]), change[q], forces);
-            for (std::size_t a = 0; a < n; ++a)
-                for (int i = 0; i < 3; ++i)
-                    stiffness[9 * (a * n + b) + 3 * i + j] = forces[3 * a + i];
-        }
-}
-
-/// Points that share a mean volume.
-template <class Law>
-void add_stiffness(const MeanDilatation<Law>& response, const ElementPoints&,
-                   ElementStiffness& stiffness) {
+void add_stiffness(const Response& response, const ElementPoints&, ElementStiffness& stiffness) {
     response.add_stiffness(stiffness.data());
 }
 

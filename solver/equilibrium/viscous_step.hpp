@@ -12,16 +12,13 @@
 
 namespace palpate {
 
-/// Laws whose stress knows no difference between the Piola stresses.
-template <class Law>
-constexpr bool is_small_strain = std::is_same_v<Law, LinearLaw<double>>;
 template <class Relaxation>
 struct ViscousStep;
 template <class Relaxation>
 inline constexpr bool is_small_strain<ViscousStep<Relaxation>> =
     is_small_strain<typename Relaxation::Whole>;
 template <class Law>
-constexpr bool is_viscous_step = false;
+inline constexpr bool is_viscous_step = false;
 template <class Relaxation>
 inline constexpr bool is_viscous_step<ViscousStep<Relaxation>> = true;
 

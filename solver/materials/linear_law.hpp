@@ -76,4 +76,10 @@ private:
     }
 };
 
+/// Laws whose stress knows no difference between the Piola stresses.
+template <class Law>
+inline constexpr bool is_small_strain = false;
+template <typename Real>
+inline constexpr bool is_small_strain<LinearLaw<Real>> = true;
+
 }  // namespace palpate

@@ -6,121 +6,17 @@
 
 #include <cstdint>
 
-#include "solver/base/tensor3.hpp"
-#include "solver/base/types.hpp"
-#include "solver/elements/element.hpp"
+#include "solver/model/mean_volume.hpp"
+#include "solver/model/solid_geometry.hpp"
 
-// Energy, forces and stiffness of one element of any type and law in plain arrays and any
-// precision, for the element loops of back ends; the twin of kernels/solid_element.cl. Every point
-// has the volume change that the displacement gives it there. Vectors are [3 num_nodes, columns],
-// column index fastest.
+// Energy, forces and stiffness of one element of any type, law and treatment of the volume, for the
+// element loops of back ends; the twin of kernels/solid_*.cl. Each function first asks whether the
+// points share their volume change (mean_volume.hpp); else every point has the one that the
+// displacement gives it there.
 namespace palpate {
 
-/// How the geometry of an element's points lies in memory (`SolidTables`).
-struct SolidLayout {
-    int num_nodes = 0;
-    int num_points = 0;
-    bool has_hoop = false;  ///< axisymmetry
-
-    /// gradient [num_nodes, 3], volume, and [num_nodes] hoop if there is one: see `PointGeometry`.
-    PALPATE_DEVICE int reals_per_point() const { return num_nodes * (has_hoop ? 4 : 3) + 1; }
-};
-
-/// One point of an element: see `PointGeometry`.
-template <typename Real>
-struct SolidPoint {
-    int num_nodes;
-    const Real* gradient;  ///< [num_nodes, 3]
-    const Real* hoop;      ///< [num_nodes], or null
-    Real volume;
-};
-
-template <typename Real>
-struct SolidElement {
-    const Index* nodes;  ///< [num_nodes]
-    const Real* points;  ///< [num_points, reals_per_point]
-    SolidLayout layout;
-
-    PALPATE_DEVICE SolidPoint<Real> point(int q) const {
-        const Real* const gradient = points + q * layout.reals_per_point();
-        const Real* const volume = gradient + 3 * layout.num_nodes;
-        return {layout.num_nodes, gradient, layout.has_hoop ? volume + 1 : nullptr, *volume};
-    }
-};
-
-/// H at a point of one column of u. Gradients add up to zero, so the element's own translation is
-/// taken off first: in fp32 it would cost digits.
-///   nodes  [num_nodes] of the element
-template <typename Real>
-PALPATE_DEVICE Tensor3<Real> displacement_gradient(const SolidPoint<Real>& point,
-                                                   const Index* nodes, const Real* u,
-                                                   std::int64_t columns = 1) {
-    Tensor3<Real> h{};
-    const Real* const origin = u + 3 * nodes[0] * columns;
-    for (int a = 1; a < point.num_nodes; ++a) {
-        const Real* const here = u + 3 * nodes[a] * columns;
-        for (int i = 0; i < 3; ++i) {
-            const Real difference = here[i * columns] - origin[i * columns];
-            for (int j = 0; j < 3; ++j) h.m[3 * i + j] += difference * point.gradient[3 * a + j];
-        }
-    }
-    if (point.hoop)
-        for (int a = 0; a < point.num_nodes; ++a)
-            h.m[8] += u[3 * nodes[a] * columns] * point.hoop[a];
-    return h;
-}
-
-/// force[a, i] += volume P : dH/du_ai for all nodes a of the element, [num_nodes, 3].
-template <typename Real>
-PALPATE_DEVICE void add_force(const SolidPoint<Real>& point, const Tensor3<Real>& stress,
-                              Real* force) {
-    const Real* const gradient = point.gradient;
-    for (int a = 0; a < point.num_nodes; ++a) {
-        for (int i = 0; i < 3; ++i)
-            force[3 * a + i] += point.volume * (stress.m[3 * i] * gradient[3 * a] +
-                                                stress.m[3 * i + 1] * gradient[3 * a + 1] +
-                                                stress.m[3 * i + 2] * gradient[3 * a + 2]);
-        if (point.hoop) force[3 * a] += point.volume * stress.m[8] * point.hoop[a];
-    }
-}
-
-/// Adds to blocks [num_nodes, num_nodes, 3, 3] what a point gives to the stiffness.
-///   moduli  [9] dP by each entry of H
-template <typename Real>
-PALPATE_DEVICE void add_stiffness(const SolidPoint<Real>& point, const Tensor3<Real>* moduli,
-                                  Real* blocks) {
-    const Real* const gradient = point.gradient;
-    const int n = point.num_nodes;
-    for (int b = 0; b < n; ++b)
-        for (int j = 0; j < 3; ++j) {
-            Tensor3<Real> stress;  // dP by u_bj
-            for (int r = 0; r < 9; ++r)
-                stress.m[r] = point.volume * (moduli[3 * j].m[r] * gradient[3 * b] +
-                                              moduli[3 * j + 1].m[r] * gradient[3 * b + 1] +
-                                              moduli[3 * j + 2].m[r] * gradient[3 * b + 2]);
-            if (point.hoop && j == 0)
-                for (int r = 0; r < 9; ++r)
-                    stress.m[r] += point.volume * moduli[8].m[r] * point.hoop[b];
-            for (int a = 0; a < n; ++a) {
-                Real* const column = blocks + 9 * (a * n + b) + j;
-                for (int i = 0; i < 3; ++i)
-                    column[3 * i] += stress.m[3 * i] * gradient[3 * a] +
-                                     stress.m[3 * i + 1] * gradient[3 * a + 1] +
-                                     stress.m[3 * i + 2] * gradient[3 * a + 2];
-                if (point.hoop) column[0] += stress.m[8] * point.hoop[a];
-            }
-        }
-}
-
-/// Writes moduli [9], dP by each entry of H. `tangent_apply`: dP of a dH.
-template <typename Real, class TangentApply>
-PALPATE_DEVICE void moduli_of(const TangentApply& tangent_apply, Tensor3<Real>* moduli) {
-    for (int c = 0; c < 9; ++c) {
-        Tensor3<Real> unit{};
-        unit.m[c] = 1;
-        moduli[c] = tangent_apply(unit);
-    }
-}
+template <class Law, typename Real>
+using MeanVolumeOf = MeanVolume<Law, SameLaw<Law>, SolidElement<Real>>;
 
 /// Writes force [num_nodes, 3] mN and returns the energy, mN mm: infinite, with no force, where a
 /// point is not valid.
@@ -129,8 +25,18 @@ PALPATE_DEVICE Real element_force(const Law& law, const SolidElement<Real>& elem
                                   Real* force) {
     const int size = 3 * element.layout.num_nodes;
     for (int k = 0; k < size; ++k) force[k] = 0;
+    if (element.layout.has_mean_volume) {
+        const SameLaw<Law> law_at{law};
+        const MeanVolumeOf<Law, Real> response(law_at, element, u);
+        if (!response.is_valid()) return Real(HUGE_VAL);
+        TensorsAtPoints<Real> stress;
+        response.stress(stress);
+        for (int q = 0; q < element.num_points(); ++q)
+            add_force(element.point(q), stress[q], force);
+        return response.energy();
+    }
     Real energy = 0;
-    for (int q = 0; q < element.layout.num_points; ++q) {
+    for (int q = 0; q < element.num_points(); ++q) {
         const SolidPoint<Real> point = element.point(q);
         const auto state = law.state(displacement_gradient(point, element.nodes, u));
         if (!state.is_valid) {
@@ -149,8 +55,14 @@ PALPATE_DEVICE void element_tangent(const Law& law, const SolidElement<Real>& el
                                     const Real* u, Real* blocks) {
     const int size = 9 * element.layout.num_nodes * element.layout.num_nodes;
     for (int k = 0; k < size; ++k) blocks[k] = 0;
+    if (element.layout.has_mean_volume) {
+        const SameLaw<Law> law_at{law};
+        const MeanVolumeOf<Law, Real> response(law_at, element, u);
+        if (response.is_valid()) response.add_stiffness(blocks);
+        return;
+    }
     Tensor3<Real> moduli[9];
-    for (int q = 0; q < element.layout.num_points; ++q) {
+    for (int q = 0; q < element.num_points(); ++q) {
         const SolidPoint<Real> point = element.point(q);
         const auto state = law.state(displacement_gradient(point, element.nodes, u));
         if (!state.is_valid) {
@@ -162,27 +74,51 @@ PALPATE_DEVICE void element_tangent(const Law& law, const SolidElement<Real>& el
     }
 }
 
+/// Writes forces [num_nodes, 3, columns] for all columns of x: of `change_of`(dH, dP), dP of the
+/// points by dH of the points.
+template <typename Real, class ChangeOf>
+PALPATE_DEVICE void write_product(const SolidElement<Real>& element, const Real* x,
+                                  std::int64_t columns, Real* forces, const ChangeOf& change_of) {
+    TensorsAtPoints<Real> dh, dp;
+    for (std::int64_t c = 0; c < columns; ++c) {
+        for (int q = 0; q < element.num_points(); ++q)
+            dh[q] = element.displacement_gradient_at(q, x + c, columns);
+        change_of(dh, dp);
+        Real force[3 * most_element_nodes] = {};
+        for (int q = 0; q < element.num_points(); ++q) add_force(element.point(q), dp[q], force);
+        for (int k = 0; k < 3 * element.layout.num_nodes; ++k) forces[k * columns + c] = force[k];
+    }
+}
+
 /// Writes forces [num_nodes, 3, columns] of K(u) x for all columns of x; zeros where a point is not
 /// valid.
 template <class Law, typename Real>
 PALPATE_DEVICE void element_product(const Law& law, const SolidElement<Real>& element,
                                     const Real* u, const Real* x, std::int64_t columns,
                                     Real* forces) {
-    typename Law::State states[most_element_points];
+    using Tensors = TensorsAtPoints<Real>;
     bool is_valid = true;
-    for (int q = 0; q < element.layout.num_points; ++q) {
-        states[q] = law.state(displacement_gradient(element.point(q), element.nodes, u));
-        is_valid = is_valid && states[q].is_valid;
-    }
-    for (std::int64_t c = 0; c < columns; ++c) {
-        Real force[3 * most_element_nodes] = {};
-        for (int q = 0; q < element.layout.num_points && is_valid; ++q) {
-            const SolidPoint<Real> point = element.point(q);
-            const auto dh = displacement_gradient(point, element.nodes, x + c, columns);
-            add_force(point, law.tangent_apply(states[q], dh), force);
+    if (element.layout.has_mean_volume) {
+        const SameLaw<Law> law_at{law};
+        const MeanVolumeOf<Law, Real> response(law_at, element, u);
+        is_valid = response.is_valid();
+        if (is_valid)
+            write_product(element, x, columns, forces,
+                          [&](const Tensors& dh, Tensors& dp) { response.tangent_apply(dh, dp); });
+    } else {
+        typename Law::State states[most_element_points];
+        for (int q = 0; q < element.num_points(); ++q) {
+            states[q] = law.state(element.displacement_gradient_at(q, u));
+            is_valid = is_valid && states[q].is_valid;
         }
-        for (int k = 0; k < 3 * element.layout.num_nodes; ++k) forces[k * columns + c] = force[k];
+        if (is_valid)
+            write_product(element, x, columns, forces, [&](const Tensors& dh, Tensors& dp) {
+                for (int q = 0; q < element.num_points(); ++q)
+                    dp[q] = law.tangent_apply(states[q], dh[q]);
+            });
     }
+    for (std::int64_t k = 0; k < 3 * element.layout.num_nodes * columns && !is_valid; ++k)
+        forces[k] = 0;
 }
 
 /// lambda . df/dp for parameter p number k of the law, mN mm per unit of the parameter; nothing
@@ -191,7 +127,20 @@ template <class Law, typename Real>
 PALPATE_DEVICE Real element_parameter_product(const Law& law, const SolidElement<Real>& element,
                                               const Real* u, const Real* lambda, int k) {
     Real sum = 0;
-    for (int q = 0; q < element.layout.num_points; ++q) {
+    if (element.layout.has_mean_volume) {
+        const SameLaw<Law> law_at{law};
+        const MeanVolumeOf<Law, Real> response(law_at, element, u);
+        if (!response.is_valid()) return 0;
+        TensorsAtPoints<Real> direction;
+        for (int q = 0; q < element.num_points(); ++q)
+            direction[q] = element.displacement_gradient_at(q, lambda);
+        response.law_directions(direction, direction);
+        for (int q = 0; q < element.num_points(); ++q)
+            sum += element.point(q).volume *
+                   double_dot(law.parameter_stress(response.state(q), k), direction[q]);
+        return sum;
+    }
+    for (int q = 0; q < element.num_points(); ++q) {
         const SolidPoint<Real> point = element.point(q);
         const auto state = law.state(displacement_gradient(point, element.nodes, u));
         if (!state.is_valid) return 0;

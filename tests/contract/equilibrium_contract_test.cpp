@@ -319,27 +319,34 @@ TEST_P(ElementLoopsContract, AreThoseOfTheHost) {
 }
 
 TEST_P(ElementLoopsContract, LeadToTheSameEquilibrium) {
-    const LoadedModel work = pressed_box(few_cells);
-    const SolidAssembly host(work.model), device(work.model, options);
+    for (const bool has_mean_volume : {false, true}) {
+        LoadedModel work = pressed_box(few_cells);
+        if (has_mean_volume)
+            work = between_plates(solid_model(box_of(true), {"neo-hookean", {10, 0.499}}),
+                                  Vec3(0, 0, -0.1));
+        if (has_mean_volume) work.model.volume = VolumeTreatment::element_mean;
+        const SolidAssembly host(work.model), device(work.model, options);
 
-    const Equilibrium expected = solve_equilibrium(host, work.loads, {});
-    const Equilibrium found = solve_equilibrium(device, work.loads, {});
+        const Equilibrium expected = solve_equilibrium(host, work.loads, {});
+        const Equilibrium found = solve_equilibrium(device, work.loads, {});
 
-    ASSERT_TRUE(found.converged) << found.message;
-    EXPECT_LE((found.displacement - expected.displacement).norm(),
-              same_place * expected.displacement.norm());
+        ASSERT_TRUE(found.converged) << found.message;
+        EXPECT_EQ(device.loops().device.backend, GetParam());
+        EXPECT_LE((found.displacement - expected.displacement).norm(),
+                  same_place * expected.displacement.norm())
+            << (has_mean_volume ? "mean volume" : "pointwise");
+    }
 }
 
 TEST_P(ElementLoopsContract, TheHostDoesWhatADeviceCannotAndSaysSo) {
-    SolidModel model = pressed_box(few_cells).model;
-    model.volume = VolumeTreatment::element_mean;
     if (GetParam() != "reference") {
-        const SolidAssembly of_mean_volumes(model, options);
-        EXPECT_EQ(of_mean_volumes.loops().device.device, "host");
-        EXPECT_NE(of_mean_volumes.loops().reason.find("mean volume"), std::string::npos);
+        const SolidAssembly in_plane_stress(solid_model(solid_meshes()[2], solid_materials()[1]),
+                                            options);
+        EXPECT_EQ(in_plane_stress.loops().device.device, "host");
+        EXPECT_NE(in_plane_stress.loops().reason.find("plane stress"), std::string::npos);
     }
 
-    model.volume = VolumeTreatment::pointwise;
+    SolidModel model = pressed_box(few_cells).model;
     model.materials[0].relaxation = {{0.5, 1.0}};
     EXPECT_NE(SolidAssembly(model, options).loops().reason.find("relaxation"), std::string::npos);
 }

@@ -43,8 +43,7 @@ std::string case_name(const testing::TestParamInfo<Case>& entry) {
 bool is_plane(const SolidModel& model) { return model.mesh.formulation != Formulation::solid; }
 
 bool is_supported(const SolidModel& model) {
-    return model.volume == VolumeTreatment::pointwise &&
-           model.mesh.formulation != Formulation::plane_stress;
+    return model.mesh.formulation != Formulation::plane_stress;
 }
 
 /// Strains of about `size`, on top of a translation.
@@ -94,6 +93,21 @@ std::vector<SolidModel> models() {
 
 class SolidContract : public testing::TestWithParam<Case> {
 protected:
+    /// What the back end has loops for. OpenCL compiles each element and law for seconds: of mean
+    /// volumes, where laws are asked the same questions by all loops, it shows one law of small
+    /// strains and one not.
+    std::vector<SolidModel> supported_models() const {
+        std::vector<SolidModel> list;
+        for (const SolidModel& model : models()) {
+            const std::string& law = model.materials[0].law;
+            const bool is_one_of_many = model.volume == VolumeTreatment::element_mean &&
+                                        law != "linear" && law != "neo-hookean";
+            if (is_supported(model) && !(is_one_of_many && GetParam().backend == "opencl"))
+                list.push_back(model);
+        }
+        return list;
+    }
+
     void SetUp() override {
         BackendOrReason tried = try_backend(GetParam().backend, {GetParam().precision, {}, ""});
         if (!tried.backend) GTEST_SKIP() << tried.reason;
@@ -132,6 +146,13 @@ Columns times(const BlockMatrix& matrix, const Columns& x) {
     return y;
 }
 
+/// Without the rows and columns of dofs that a plane does not have: a loop may leave them out.
+BlockMatrix of_formulation(const SolidModel& model, BlockMatrix matrix) {
+    for (std::size_t k = 0; k < matrix.blocks.size() && is_plane(model); ++k)
+        if (k % 3 == 2 || k % 9 / 3 == 2) matrix.blocks[k] = 0;
+    return matrix;
+}
+
 double norm_of(const std::vector<double>& values) {
     return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0));
 }
@@ -143,8 +164,7 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 TEST_P(SolidContract, ForcesAndEnergyAreThoseOfTheHost) {
-    for (const SolidModel& model : models()) {
-        if (!is_supported(model)) continue;
+    for (const SolidModel& model : supported_models()) {
         const SolidAssembly host(model);
         const auto solid = backend->make_solid(model);
         // At rest nothing may be left of fp32's rounding but in relation to the strain.
@@ -166,8 +186,7 @@ TEST_P(SolidContract, ForcesAndEnergyAreThoseOfTheHost) {
 }
 
 TEST_P(SolidContract, TangentIsThatOfTheHost) {
-    for (const SolidModel& model : models()) {
-        if (!is_supported(model)) continue;
+    for (const SolidModel& model : supported_models()) {
         const SolidAssembly host(model);
         const Eigen::VectorXd u = bent(model, 0.1);
         BlockMatrix expected = host.make_matrix(), found = host.make_matrix();
@@ -176,14 +195,15 @@ TEST_P(SolidContract, TangentIsThatOfTheHost) {
 
         backend->make_solid(model)->tangent(span_of(u), found);
 
+        expected = of_formulation(model, expected);
+        found = of_formulation(model, found);
         EXPECT_LE(distance(found.blocks, expected.blocks), tolerance * norm_of(expected.blocks))
             << name_of(model);
     }
 }
 
 TEST_P(SolidContract, ProductIsThatOfTheTangentForAnyNumberOfColumns) {
-    for (const SolidModel& model : models()) {
-        if (!is_supported(model)) continue;
+    for (const SolidModel& model : supported_models()) {
         const SolidAssembly host(model);
         const Eigen::VectorXd u = bent(model, 0.1);
         BlockMatrix matrix = host.make_matrix();
@@ -203,8 +223,7 @@ TEST_P(SolidContract, ProductIsThatOfTheTangentForAnyNumberOfColumns) {
 }
 
 TEST_P(SolidContract, ParameterProductsAreThoseOfTheHost) {
-    for (const SolidModel& model : models()) {
-        if (!is_supported(model)) continue;
+    for (const SolidModel& model : supported_models()) {
         const SolidAssembly host(model);
         const Eigen::VectorXd u = bent(model, 0.1), lambda = bent(model, 0.3).array().sin();
         const auto expected = host.parameter_products(u, lambda);
@@ -227,9 +246,8 @@ TEST_P(SolidContract, ParameterProductsAreThoseOfTheHost) {
 }
 
 TEST_P(SolidContract, InvertedMatterIsNotValidAndAddsNothing) {
-    for (const SolidModel& model : models()) {
-        const bool is_nonlinear = model.materials[0].law != "linear";
-        if (!is_supported(model) || is_plane(model) || !is_nonlinear) continue;
+    for (const SolidModel& model : supported_models()) {
+        if (is_plane(model) || model.materials[0].law == "linear") continue;
         const SolidAssembly host(model);
         Eigen::VectorXd u = Eigen::VectorXd::Zero(model.num_dofs());
         u[2] = 2.5 * model.mesh.nodes.back().z();  // a corner through the box

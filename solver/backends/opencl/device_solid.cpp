@@ -60,6 +60,7 @@ void DeviceSolid::run_laws(const char* program, const ColumnPass& pass, const Ar
         const KernelVariant variant{.nodes_per_element = tables_.layout.num_nodes,
                                     .points_per_element = tables_.layout.num_points,
                                     .has_hoop = tables_.layout.has_hoop,
+                                    .has_mean_volume = tables_.layout.has_mean_volume,
                                     .law = law.name};
         session_.run({program, program, variant}, law.num_elements, pass, law.coefficients,
                      law.list, cl_int(law.num_elements), elements_, region_, points_, args...);

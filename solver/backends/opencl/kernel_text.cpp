@@ -65,7 +65,10 @@ std::string program_text(std::string_view program, std::string_view law) {
         if (program != "material_point" && !is_solid(program))
             text += file_text("elements/tet4.cl");
         text += material_text(law);
-        if (is_solid(program)) text += file_text("solid_element.cl");
+        if (is_solid(program)) {
+            text += file_text("solid_element.cl");
+            text += file_text("solid_response.cl");
+        }
     }
     text += file_text(std::string(program) + ".cl");
     return text;

@@ -139,7 +139,8 @@ cl::Kernel& Session::kernel(const KernelName& name, const ColumnPass& pass,
         {"FROM_IS_DOUBLE", variant.from_is_double},
         {"NODES_PER_ELEMENT", variant.nodes_per_element},
         {"POINTS_PER_ELEMENT", variant.points_per_element},
-        {"HAS_HOOP", variant.has_hoop}};
+        {"HAS_HOOP", variant.has_hoop},
+        {"HAS_MEAN_VOLUME", variant.has_mean_volume}};
     for (const auto& [define, value] : choices)
         if (value >= 0) defines.push_back({define, value});
     found = cl::Kernel(device_->programs->get(name.program, variant.law, defines), name.function);

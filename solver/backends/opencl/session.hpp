@@ -34,6 +34,7 @@ struct KernelVariant {
     int nodes_per_element = -1;
     int points_per_element = -1;
     int has_hoop = -1;
+    int has_mean_volume = -1;
     std::string_view law = "linear";  ///< of programs that exist for every law
 
     // clang-tidy 14 takes the zero of a comparison for a pointer.

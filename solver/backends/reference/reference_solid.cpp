@@ -8,6 +8,7 @@
 
 #include "solver/backends/reference/host_vector.hpp"
 #include "solver/materials/registry.hpp"
+#include "solver/model/solid_element.hpp"
 
 namespace palpate {
 namespace {
