@@ -18,8 +18,9 @@ std::vector<Option> aspirate_table() {
                  .positional()
                  .required(),
              Option::input_file("frames",
-                                "Folder of PGM files, in the order of their names; -: raw grey "
-                                "bytes on standard input (raw). Of fit: the table of profiles that "
+                                "Folder of PGM, PNG or TIFF files, in the order of their names; a "
+                                "film (.avi, .mp4, ...), read by ffmpeg; -: raw grey bytes on "
+                                "standard input (raw). Of fit: the table of profiles that "
                                 "contours wrote")
                  .positional()
                  .required(),
