@@ -59,14 +59,22 @@ ALLOWED = {
     "host/apps/compute_options": GEOMETRY,
     "host/apps/all": APPLICATION + [f"host/apps/{name}" for name in APPLICATIONS],
     "host/apps/springs": APPLICATION,
-    "host/apps/phantom": COMPUTING + RECOVER[:1],
+    "host/apps/phantom": COMPUTING + RECOVER[:1] + ["host/apps/phantom/random_numbers", "host/apps/phantom/aspiration"],
+    # Drawn from a seed, for phantoms of any kind.
+    "host/apps/phantom/random_numbers": ["solver/base"],
+    # Films of sucked tissue.
+    "host/apps/phantom/aspiration": COMPUTING + ["host/apps/phantom/random_numbers", "host/apps/aspirate/contours",
+                                                 "host/apps/aspirate/model", "host/apps/simulate"],
     # Outlines of tissue in frames are found without files, settings and pages.
     "host/apps/aspirate/contours": ["solver/base"],
+    # Frames, one after the other, from files, films and pipes.
+    "host/apps/aspirate/frames": FILES + ["host/apps/aspirate/contours"],
     # What is known before any frame, and the body that is sucked, as the text of a model file.
     "host/apps/aspirate/model": FILES + ["host/apps/aspirate/contours"],
-    "host/apps/aspirate": COMPUTING + ["host/apps/aspirate/contours", "host/apps/aspirate/model",
-                                       "host/apps/simulate", "host/apps/identify"],
-    "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom", "host/apps/aspirate/contours"],
+    "host/apps/aspirate": COMPUTING + ["host/apps/aspirate/contours", "host/apps/aspirate/frames",
+                                       "host/apps/aspirate/model", "host/apps/simulate", "host/apps/identify"],
+    "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom", "host/apps/phantom/random_numbers", "host/apps/phantom/aspiration",
+                                             "host/apps/aspirate/contours"],
     "host/apps/simulate": COMPUTING,
     # An experiment is a simulation with unknown numbers.
     "host/apps/identify": COMPUTING + ["host/apps/simulate"],

@@ -32,8 +32,8 @@ Image<float> read_scalar_image(const std::filesystem::path& path,
 }
 
 ImageGrid read_image_grid(const std::filesystem::path& path, std::vector<std::string>* warnings) {
-    const auto any_number = [](double, std::size_t) { return 0.0f; };
-    return decode_volume<float>(path, checked_volume(path, Voxels::unused, warnings), any_number)
+    const auto as_it_is = [](double, std::size_t) { return 0.0f; };
+    return decode_volume<float>(path, checked_volume(path, Voxels::unused, warnings), as_it_is)
         .grid;
 }
 

@@ -20,7 +20,7 @@ find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)    # SHA-256
 find_package(Boost 1.74 REQUIRED)    # headers: distributions of Boost.Math
 
 find_package(ITK REQUIRED COMPONENTS
-  ITKCommon ITKTransform ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOTransformBase
+  ITKCommon ITKTransform ITKIONIFTI ITKIONRRD ITKIOMeta ITKIOPNG ITKIOTIFF ITKIOTransformBase
   ITKIOTransformHDF5 ITKIOTransformInsightLegacy ITKPDEDeformableRegistration ITKSmoothing)
 add_library(palpate_itk INTERFACE)
 target_include_directories(palpate_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})

@@ -4,6 +4,7 @@
 import csv
 import io
 import json
+import shutil
 import subprocess
 
 import numpy
@@ -97,6 +98,84 @@ def test_files_and_a_pipe_give_the_same_bytes(settings, tmp_path):
     assert result["frames"] == 12
     assert result["travel_mm"] == pytest.approx(1.6, abs=0.1)
     assert "data:image/png" in (tmp_path / "out/contours.html").read_text()
+
+
+def encode(frames, target, *options):
+    """Frames as a film, or a file each, by ffmpeg."""
+    height, width = frames[0].shape
+    subprocess.run(["ffmpeg", "-v", "error", "-f", "rawvideo", "-pix_fmt", "gray", "-video_size", f"{width}x{height}",
+                    "-framerate", "25", "-i", "-", *options, str(target)],
+                   input=b"".join(frame.tobytes() for frame in frames), check=True, timeout=100)
+    return target
+
+
+needs_ffmpeg = pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="films are made and read by ffmpeg")
+
+
+@needs_ffmpeg
+@pytest.mark.parametrize("ending, pixels", [("png", "gray"), ("png", "gray16be"), ("png", "rgb24"), ("tif", "gray"),
+                                            ("tiff", "gray16le")])
+def test_pictures_of_every_kind_give_the_same_bytes(ending, pixels, settings, tmp_path):
+    frames = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 3, 12)]
+    (tmp_path / "frames").mkdir()
+    encode(frames, tmp_path / f"frames/%04d.{ending}", "-pix_fmt", pixels)
+    finished = run_palpate("aspirate", "contours", tmp_path / "frames", "--config", settings, "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    assert finished.stdout.encode() == from_pipe(settings, frames).stdout
+
+
+@needs_ffmpeg
+def test_a_film_gives_the_same_bytes_and_its_own_times(settings, tmp_path):
+    frames = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 3, 12)]
+    film = encode(frames, tmp_path / "film.mkv", "-c:v", "ffv1")
+    settings.write_text(SETTINGS.split("[frames]")[0])
+    finished = run_palpate("aspirate", "contours", film, "--config", settings, "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    settings.write_text(SETTINGS)
+    assert finished.stdout.encode() == from_pipe(settings, frames).stdout
+    # what the settings say of times goes before what the film says
+    settings.write_text(SETTINGS.replace("25.0", "50.0"))
+    finished = run_palpate("aspirate", "contours", film, "--config", settings, "--quiet")
+    assert finished.stdout.encode() == from_pipe(settings, frames).stdout
+    # a film of a codec that loses a little
+    lossy = encode(frames, tmp_path / "film.avi", "-c:v", "mjpeg", "-q:v", "2")
+    finished = run_palpate("aspirate", "contours", lossy, "--config", settings, "--out", tmp_path / "out", "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    assert json.loads((tmp_path / "out/result.json").read_text())["travel_mm"] == pytest.approx(1.6, abs=0.1)
+
+
+@needs_ffmpeg
+def test_damaged_films_and_pictures_get_their_code(settings, tmp_path):
+    frames = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 3, 4)]
+    whole = encode(frames, tmp_path / "film.mkv", "-c:v", "ffv1").read_bytes()
+    (tmp_path / "cut.mkv").write_bytes(whole[:len(whole) // 2])
+    damaged = bytearray(encode(frames, tmp_path / "film.mp4", "-c:v", "libx264", "-qp", "0").read_bytes())
+    damaged[len(damaged) // 2:len(damaged) // 2 + 400] = bytes(400)
+    (tmp_path / "damaged.mp4").write_bytes(damaged)
+    (tmp_path / "none.avi").write_bytes(b"no film")
+    (tmp_path / "sound.mp4").write_bytes(encode(frames, tmp_path / "short.mp4", "-frames:v", "1").read_bytes()[:300])
+    pictures = tmp_path / "pictures"
+    pictures.mkdir()
+    encode(frames, pictures / "%04d.png")
+    two_kinds = write_frames(tmp_path / "two", frames)
+    (two_kinds / "a.png").write_bytes((pictures / "0001.png").read_bytes())
+    (pictures / "0003.png").write_bytes((pictures / "0003.png").read_bytes()[:900])
+    for path, words in [("cut.mkv", "cannot read the film"), ("damaged.mp4", "frame"), ("none.avi", "frame 1"),
+                        ("sound.mp4", "cannot read the film"), ("missing.mp4", "cannot read the film"),
+                        ("pictures", "0003.png': it is damaged or cut"), ("two", "two kinds")]:
+        finished = run_palpate("aspirate", "contours", tmp_path / path, "--config", settings, "--out", tmp_path / "out",
+                               "--quiet")
+        assert finished.returncode == 3, (path, finished.stderr)
+        assert words in finished.stderr, path
+        assert not (tmp_path / "out").exists()
+
+
+def test_without_ffmpeg_a_sentence_says_so(settings, tmp_path):
+    (tmp_path / "film.mp4").write_bytes(b"any")
+    finished = run_palpate("aspirate", "contours", tmp_path / "film.mp4", "--config", settings, "--quiet",
+                           environment={"PATH": str(tmp_path)})
+    assert finished.returncode == 2
+    assert "ffmpeg, which is not in PATH" in finished.stderr
 
 
 def test_bad_input_gets_its_code_and_a_sentence(settings, tmp_path):

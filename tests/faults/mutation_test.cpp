@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <itkPNGImageIO.h>
+#include <itkTIFFImageIO.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -14,6 +16,7 @@
 
 #include "host/geometry/meshing/mesh_files.hpp"
 #include "host/geometry/surfaces/read_shapes.hpp"
+#include "host/io/decode_pictures.hpp"
 #include "host/io/files.hpp"
 #include "host/io/volume_files.hpp"
 #include "solver/base/error.hpp"
@@ -220,6 +223,37 @@ void read_triangles(const std::filesystem::path& path) {
         for (const Index corner : t) EXPECT_LT(corner, Index(surface.vertices.size()));
 }
 
+/// As ITK's own writer leaves it, 16 bits.
+void write_picture(const std::filesystem::path& path) {
+    std::vector<std::uint16_t> grey(24 * 20);
+    for (std::size_t n = 0; n < grey.size(); ++n) grey[n] = std::uint16_t(137 * n);
+    itk::ImageIOBase::Pointer encoder;
+    if (path.extension() == ".png")
+        encoder = itk::PNGImageIO::New().GetPointer();
+    else
+        encoder = itk::TIFFImageIO::New().GetPointer();
+    encoder->SetFileName(path.string());
+    encoder->SetNumberOfDimensions(2);
+    encoder->SetDimensions(0, 24);
+    encoder->SetDimensions(1, 20);
+    encoder->SetComponentType(itk::IOComponentEnum::USHORT);
+    encoder->SetPixelType(itk::IOPixelEnum::SCALAR);
+    encoder->SetNumberOfComponents(1);
+    itk::ImageIORegion region(2);
+    region.SetSize(0, 24);
+    region.SetSize(1, 20);
+    encoder->SetIORegion(region);
+    encoder->UseCompressionOn();
+    encoder->WriteImageInformation();
+    encoder->Write(grey.data());
+}
+
+void read_picture(const std::filesystem::path& path) {
+    const GreyShape shape = shape_of_picture(path);
+    if (shape.num_pixels() > (std::size_t(1) << 24)) return;  // a batch of frames is smaller
+    EXPECT_EQ(decode_pictures({&path, 1}, shape).size(), shape.num_pixels());
+}
+
 struct Counts {
     int accepted = 0, refused = 0, child_died = 0;
     double slowest_s = 0;
@@ -288,7 +322,8 @@ const Format formats[] = {
     {".vtu", write_mesh, read_mesh},         {"_mesh.vtk", write_legacy_mesh, read_mesh},
     {".vtp", write_surface, read_triangles}, {".vtk", write_surface, read_triangles},
     {".ply", write_surface, read_triangles}, {".stl", write_surface, read_triangles},
-    {".obj", write_surface, read_triangles},
+    {".obj", write_surface, read_triangles}, {".png", write_picture, read_picture},
+    {".tif", write_picture, read_picture},
 };
 
 INSTANTIATE_TEST_SUITE_P(Format, Mutation, testing::ValuesIn(formats), [](const auto& format) {

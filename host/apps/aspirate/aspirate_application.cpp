@@ -12,24 +12,26 @@ namespace {
 std::vector<Option> aspirate_table() {
     return joined(
         {{
-             Option::choice("step", {"contours", "fit"},
-                            "contours: from frames to profiles; fit: from profiles and suction to "
-                            "tissue")
+             Option::choice("step", {"run", "contours", "fit"},
+                            "run: all of it; contours: from frames to profiles; fit: from profiles "
+                            "and suction to tissue")
                  .positional()
                  .required(),
              Option::input_file("frames",
-                                "Folder of PGM files, in the order of their names; -: raw grey "
-                                "bytes on standard input (raw). Of fit: the table of profiles that "
+                                "Folder of PGM, PNG or TIFF files, in the order of their names; a "
+                                "film (.avi, .mp4, ...), read by ffmpeg; -: raw grey bytes on "
+                                "standard input (raw). Of fit: the table of profiles that "
                                 "contours wrote")
                  .positional()
                  .required(),
              Option::input_file("config",
-                                "Settings, TOML: [instrument], [frames]; of fit [instrument], "
-                                "[pressure], [tissue]")
+                                "Settings, TOML: of contours [instrument], [frames]; of fit "
+                                "[instrument], [pressure], [tissue]; of run all")
                  .required(),
-             Option::input_file("pressure",
-                                "Of fit: table of time_s and suction_mbar or suction_kpa, if the "
-                                "settings do not have it"),
+             Option::input_file(
+                 "pressure",
+                 "Of run and fit: table of time_s and suction_mbar or suction_kpa, if the "
+                 "settings do not have it"),
              Option::text("raw", "Size of raw frames, WIDTHxHEIGHT in pixels"),
              Option::folder("out",
                             "Folder, made new: tables, page, result.json; of contours it may be "
@@ -37,14 +39,15 @@ std::vector<Option> aspirate_table() {
                             "in"),
              Option::flag("overwrite", "Replace an older folder"),
              Option::integer("jobs", 1, 256,
-                             "Simulations at the same time (fit); default: the cores"),
+                             "Simulations at the same time (run, fit); default: the cores"),
          },
          tangent_options()});
 }
 
 Outcome run_aspirate(const OptionValues& values, const ProgressSink& progress) {
-    return values.text("step") == "fit" ? run_fit(values, progress)
-                                        : run_contours(values, progress);
+    const std::string step = values.text("step");
+    if (step == "run") return run_film(values, progress);
+    return step == "fit" ? run_fit(values, progress) : run_contours(values, progress);
 }
 
 }  // namespace

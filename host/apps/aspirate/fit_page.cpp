@@ -216,15 +216,19 @@ std::string fit_text(const AspirationFit& fit) {
     return text;
 }
 
-std::string fit_page(const AspirationFit& fit, const ResultTree& tree) {
+std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const FilmOutlines* film) {
     std::string notices;
     for (const std::string& warning : fit.input.warnings)
         notices += "<p class='notice'>" + escape_html(warning) + ".</p>";
     std::string profiles;
     for (const Picture& picture : identified_pictures(*fit.best().found))
         profiles += figure_html(picture.html, picture.caption);
+    const AspirationInstrument& instrument = fit.settings.instrument;
+    const std::string frames = film ? film_sections(film->strip, film->time_s, film->apex_mm,
+                                                    instrument.pixel_z_um / instrument.pixel_r_um)
+                                    : "";
     return page_html(
-        {.kind = "palpate aspirate fit",
+        {.kind = film ? "palpate aspirate run" : "palpate aspirate fit",
          .version = version_text(),
          .headline = escape_html(unknowns_sentence(fit)),
          .lead = "<p class='summary'>Tissue that was sucked into a tube: " +
@@ -234,10 +238,12 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree) {
              tree_sections_html(tree) +
              section_html("history", "Over the cycle", history_picture(fit)) +
              section_html("profiles", "Profiles",
-                          "<div class='figures'>" + profiles + residual_picture(fit) + "</div>"),
+                          "<div class='figures'>" + profiles + residual_picture(fit) + "</div>") +
+             frames,
          .footer = "All figures: <code>result.json</code>; the model with these values: "
                    "<code>identified.toml</code>, which <code>palpate simulate</code> runs.",
-         .style = ".map{width:100%}.map .label{font-size:11px;fill:currentColor}"});
+         .style = std::string(".map{width:100%}.map .label{font-size:11px;fill:currentColor}") +
+                  (film ? film_style : "")});
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/apps/aspirate/film_outlines.hpp"
 #include "host/apps/aspirate/fit_input.hpp"
 #include "host/apps/identify/identified_tree.hpp"
 
@@ -34,7 +35,7 @@ struct AspirationFit {
 ResultTree fit_tree(const AspirationFit& fit);
 /// For a terminal.
 std::string fit_text(const AspirationFit& fit);
-/// `report.html`.
-std::string fit_page(const AspirationFit& fit, const ResultTree& tree);
+/// `report.html`, with the frames and their outlines if there is a film.
+std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const FilmOutlines* film);
 
 }  // namespace palpate

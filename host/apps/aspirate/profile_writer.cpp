@@ -66,16 +66,17 @@ ProfileWriter::ProfileWriter(const AspirationInstrument& instrument,
     write_("time_s,r_mm,z_mm,sd_mm,flag\n");
 }
 
-void ProfileWriter::add(const Outline& outline) {
-    if (axis_) return write_rows(outline);
+void ProfileWriter::add(const Outline& outline, double time_s) {
+    if (axis_) return write_rows(outline, time_s);
     waiting_.push_back(outline);
+    waiting_s_.push_back(time_s);
     if (instrument_.axis_column_px || waiting_.size() == frames_for_axis) settle_axis();
 }
 
 void ProfileWriter::settle_axis() {
     axis_ = instrument_.axis_column_px ? about(waiting_, *instrument_.axis_column_px)
                                        : find_axis(waiting_);
-    for (const Outline& outline : waiting_) write_rows(outline);
+    for (std::size_t k = 0; k < waiting_.size(); ++k) write_rows(waiting_[k], waiting_s_[k]);
     waiting_.clear();
 }
 
@@ -83,9 +84,8 @@ void ProfileWriter::finish() {
     if (!axis_) settle_axis();
 }
 
-void ProfileWriter::write_rows(const Outline& outline) {
-    const FrameProfile profile =
-        profile_of(outline, instrument_.time_s(number_++), axis_->column, instrument_);
+void ProfileWriter::write_rows(const Outline& outline, double time_s) {
+    const FrameProfile profile = profile_of(outline, time_s, axis_->column, instrument_);
     text_.clear();
     for (const ProfilePoint& point : profile.points)
         fmt::format_to(std::back_inserter(text_), "{:.4f},{:.4f},{:.5f},{:.5f},{}\n",

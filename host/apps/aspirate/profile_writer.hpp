@@ -31,7 +31,7 @@ public:
     ProfileWriter(const AspirationInstrument& instrument,
                   std::function<void(const std::string&)> write);
 
-    void add(const Outline& outline);
+    void add(const Outline& outline, double time_s);
     /// Writes what still waits.
     void finish();
     /// Empty until it is known.
@@ -39,13 +39,13 @@ public:
 
 private:
     void settle_axis();
-    void write_rows(const Outline& outline);
+    void write_rows(const Outline& outline, double time_s);
 
     AspirationInstrument instrument_;
     std::function<void(const std::string&)> write_;
     std::optional<OutlineAxis> axis_;
     std::vector<Outline> waiting_;
-    Index number_ = 0;
+    std::vector<double> waiting_s_;
     std::string text_;
 };
 

@@ -10,18 +10,18 @@
 namespace palpate {
 namespace {
 
-constexpr int num_terms = 5, rounds = 12;
+constexpr int even_terms = 5, rounds = 12;
 constexpr double least_seen_part = 0.3;  // of the hole's radius
 constexpr double anchor_share = 0.2;     // of the points' weight holds the end at the rim
 constexpr double least_spread_mm = 0.004, sample_mm = 0.2, cell_mm = 0.1;
 
-using Terms = Eigen::Matrix<double, num_terms, 1>;
+using Terms = Eigen::Matrix<double, even_terms, 1>;
 
 // 1, s, s^2, ... with s = (r / end)^2
 Terms terms_at(double r_mm, double end_mm) {
     Terms terms;
     double power = 1;
-    for (int k = 0; k < num_terms; ++k, power *= r_mm * r_mm / (end_mm * end_mm)) terms[k] = power;
+    for (int k = 0; k < even_terms; ++k, power *= r_mm * r_mm / (end_mm * end_mm)) terms[k] = power;
     return terms;
 }
 
@@ -65,12 +65,12 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
     FoundRest found;
     found.asymmetry_mm = asymmetry_of(points);
     found.is_seen =
-        farthest_mm > least_seen_part * hole_radius_mm && Index(points.size()) > 10 * num_terms;
+        farthest_mm > least_seen_part * hole_radius_mm && Index(points.size()) > 10 * even_terms;
     Terms shape = Terms::Zero();
     double scale = 1e3;
     for (int round = 0; found.is_seen && round < rounds; ++round) {
-        Eigen::Matrix<double, num_terms, num_terms> normal =
-            Eigen::Matrix<double, num_terms, num_terms>::Zero();
+        Eigen::Matrix<double, even_terms, even_terms> normal =
+            Eigen::Matrix<double, even_terms, even_terms>::Zero();
         Terms right = Terms::Zero();
         double total = 0;
         std::vector<double> away;

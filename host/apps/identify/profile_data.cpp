@@ -10,7 +10,7 @@
 #include "host/apps/identify/signal_data.hpp"
 #include "host/apps/simulate/selection.hpp"
 #include "host/apps/simulate/setting_values.hpp"
-#include "host/apps/simulate/smooth_curve.hpp"
+#include "host/apps/simulate/surface_profile.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -54,7 +54,7 @@ public:
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);
             const double r = is_about_axis ? std::abs(r_mm_[row]) : r_mm_[row];
             const auto z_at = [&](std::size_t k) {
-                if (!curves[k]) curves[k] = curve_of(simulation, nodes, k);
+                if (!curves[k]) curves[k] = surface_profile(simulation, nodes, k);
                 return z_scale_ * curves[k]->at(r / r_scale_);
             };
             const double first = z_at(before);
@@ -71,33 +71,11 @@ public:
 private:
     /// Ascending along x at rest.
     std::vector<Index> surface_nodes(const SimulationResult& simulation) const {
-        const SolidMesh& mesh = simulation.mesh();
-        if (mesh.formulation == Formulation::solid)
+        if (simulation.mesh().formulation == Formulation::solid)
             table_.fail("a profile is measured on a plane or axisymmetric body");
-        const auto chosen = selected_nodes(surface_, {mesh, simulation.prepared.point_scalars});
-        std::vector<Index> nodes;
-        for (Index node = 0; node < mesh.num_nodes(); ++node)
-            if (chosen[node]) nodes.push_back(node);
-        std::sort(nodes.begin(), nodes.end(),
-                  [&](Index a, Index b) { return mesh.nodes[a].x() < mesh.nodes[b].x(); });
+        std::vector<Index> nodes = nodes_along(surface_, simulation);
         if (nodes.size() < 3) table_.refuse("where", "allowed: a surface of at least three nodes");
         return nodes;
-    }
-
-    static SmoothCurve curve_of(const SimulationResult& simulation, const std::vector<Index>& nodes,
-                                std::size_t k) {
-        std::vector<double> r, z;
-        for (const Index node : nodes) {
-            const Vec3 place = simulation.mesh().nodes[node] +
-                               simulation.states[k].displacement.segment<3>(3 * node);
-            if (!r.empty() && !(place.x() > r.back()))
-                throw Error(ErrorCode::solve_failed,
-                            fmt::format("the surface overhangs at {:g} s: z(r) is no function",
-                                        simulation.states[k].time_s));
-            r.push_back(place.x());
-            z.push_back(place.y());
-        }
-        return SmoothCurve(std::move(r), std::move(z));
     }
 
     SettingsTable table_;

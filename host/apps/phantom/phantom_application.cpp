@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "host/apps/compute_options.hpp"
+#include "host/apps/phantom/aspiration/aspiration_phantom.hpp"
 #include "host/apps/phantom/pelvis.hpp"
 #include "solver/base/error.hpp"
 
@@ -17,14 +18,19 @@ namespace {
 std::vector<Option> body_options() {
     const PelvisOptions usual;
     return {
-        Option::choice("kind", {"pelvis"},
-                       "Prostate, bladder, rectum and bones, voxelised before and after "
-                       "deformation")
+        Option::choice("kind", {"pelvis", "aspiration"},
+                       "pelvis: prostate, bladder, rectum and bones, voxelised before and after "
+                       "deformation; aspiration: a film of tissue that is sucked into a tube, of "
+                       "which seed, perfect and frames tell all")
             .positional()
             .required(),
         Option::folder("out", "Folder, made new").required(),
         Option::integer("seed", 0, 4294967295.0, "Anatomy and load")
             .usually(std::int64_t{usual.seed}),
+        Option::flag("perfect",
+                     "Of aspiration: the instrument is as its settings say, nothing mars the film"),
+        Option::choice("frames", {"pgm", "png"}, "Of aspiration: kind of the pictures")
+            .usually(std::string("pgm")),
         Option::number("stiffness_kpa", "kPa", {1, 10000}, "Of the prostate")
             .usually(usual.stiffness_kpa),
         Option::number("zone_stiffness_kpa", "kPa", {1, 10000},
@@ -80,6 +86,11 @@ std::vector<Option> motion_and_image_options() {
     };
 }
 
+std::vector<Option> phantom_table() {
+    return joined({body_options(), motion_and_image_options(),
+                   mesher_options(PelvisOptions{}.num_nodes), solver_options()});
+}
+
 PelvisOptions pelvis_of(const OptionValues& values) {
     PelvisOptions options;
     options.seed = static_cast<unsigned>(values.whole("seed"));
@@ -101,12 +112,46 @@ PelvisOptions pelvis_of(const OptionValues& values) {
     return options;
 }
 
+/// Options of one kind are refused where they would do nothing.
+void refuse_options_of_others(const OptionValues& values, bool is_aspiration) {
+    const std::vector<std::string> of_aspiration{"perfect", "frames"};
+    const std::vector<std::string> of_both{"kind", "out", "seed"};
+    const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    for (const Option& option : phantom_table()) {
+        if (has(of_both, option.name) || has(of_aspiration, option.name) == is_aspiration) continue;
+        if (values.is_given(option.name))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("{} is of the other kind of phantom; leave it out",
+                                    command_line_name(option.name)));
+    }
+}
+
+Outcome run_aspiration(const OptionValues& values, const std::filesystem::path& folder,
+                       const ProgressSink& progress) {
+    const AspirationFigures made =
+        make_aspiration_phantom({static_cast<unsigned>(values.whole("seed")),
+                                 values.flag("perfect"), values.text("frames") == "png"},
+                                folder, progress);
+    return {ResultTree::of("phantom", {{"format", "palpate-phantom"},
+                                       {"format_version", 1},
+                                       {"seed", std::int64_t{made.truth.seed}},
+                                       {"frames", std::int64_t{made.num_frames}},
+                                       {"travel_mm", made.travel_mm},
+                                       {"peak_suction_kpa", made.truth.suction.peak_kpa()}}),
+            fmt::format("phantom: {}\n", folder.string())};
+}
+
 Outcome run_phantom(const OptionValues& values, const ProgressSink& progress) {
     const std::filesystem::path folder = values.path("out");
     if (std::filesystem::exists(folder))
         throw Error(
             ErrorCode::output_failed,
             fmt::format("{} exists already; remove it or choose another --out", folder.string()));
+    const bool is_aspiration = values.text("kind") == "aspiration";
+    refuse_options_of_others(values, is_aspiration);
+    if (is_aspiration) return run_aspiration(values, folder, progress);
     const PelvisOptions options = pelvis_of(values);
     PelvisTruth largest;  // of the load that moves most
     std::int64_t nodes = 0;
@@ -147,10 +192,7 @@ Outcome run_phantom(const OptionValues& values, const ProgressSink& progress) {
 }  // namespace
 
 Application phantom_application() {
-    return {"phantom", "Make input with a known answer",
-            joined({body_options(), motion_and_image_options(),
-                    mesher_options(PelvisOptions{}.num_nodes), solver_options()}),
-            run_phantom};
+    return {"phantom", "Make input with a known answer", phantom_table(), run_phantom};
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -18,6 +19,11 @@ public:
 
     double uniform(double low, double high) {
         return low + (high - low) * double(engine_() >> 11) * 0x1.0p-53;
+    }
+    /// Of mean 0 and standard deviation 1, by Box and Muller.
+    double normal() {
+        const double radius = std::sqrt(-2 * std::log(std::max(1e-300, uniform(0, 1))));
+        return radius * std::cos(6.283185307179586 * uniform(0, 1));
     }
     bool is_below(double probability) { return uniform(0, 1) < probability; }
     Vec3 direction() {

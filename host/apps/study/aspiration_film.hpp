@@ -3,21 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <optional>
 #include <vector>
 
+#include "host/apps/phantom/aspiration/film_look.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {
-
-/// What makes frames of sucked tissue hard to read. Lengths in pixels, light in grey values of 255.
-struct FilmScene {
-    std::string name;
-    double noise = 3;    ///< standard deviation near grey 70; grows with the root of light
-    double blur = 1;     ///< of the optics, standard deviation
-    double falloff = 0;  ///< part of the light that is lost from left to right
-    int glares = 0, bubbles = 0, stains = 0;
-};
 
 /// The rows of the suite: noise, noise with falling light, glare, bubbles, blood, all of it.
 const std::vector<FilmScene>& film_suite();
@@ -44,20 +36,12 @@ public:
     std::vector<std::uint8_t> frame(Index frame) const;
 
 private:
-    struct Spot {
-        double x, y, radius;  ///< y from the outline (glare, stains) or from the top (bubbles)
-    };
     double height_mm(Index frame) const;
     double edge_row(double column, double cap_mm) const;
-    double grey_at(double column, double row, double edge, double apex, Index frame) const;
-    std::vector<Spot> spots(int count, double depth_low, double depth_high, double radius_low,
-                            double radius_high, std::uint64_t salt) const;
 
-    FilmScene scene_;
-    unsigned seed_;
     Index num_frames_, width_, height_;
-    double scale_, column_mm_, row_mm_, base_row_, tilt_mm_, phase_[2];
-    std::vector<Spot> glares_, bubbles_, stains_;
+    double column_mm_, row_mm_, base_row_, tilt_mm_ = 0;
+    std::optional<FilmLook> look_;
 };
 
 }  // namespace palpate

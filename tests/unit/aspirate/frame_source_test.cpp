@@ -4,7 +4,8 @@
 
 #include <sstream>
 
-#include "host/apps/aspirate/frame_source.hpp"
+#include "host/apps/aspirate/frames/frame_source.hpp"
+#include "host/apps/aspirate/frames/pgm_picture.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {

@@ -156,7 +156,7 @@ void read_frames(const SettingsTable& table, const fs::path& folder, AspirationI
                             fmt::format("{}, line {}: times of frames must ascend", times.source,
                                         times.lines[k]));
     } else {
-        read.rate_hz = needed(table, "rate_hz", {0, 1e6, true}, "25.0, or times = \"times.csv\"");
+        read.rate_hz = table.number("rate_hz", {0, 1e6, true}).value_or(0);
     }
     if (const auto method = table.choice("method", {"path", "published"}))
         read.is_published = *method == "published";
@@ -247,8 +247,6 @@ AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart
     const auto instrument = all.table("instrument"), frames = all.table("frames");
     if (!instrument) all.missing("instrument", "a table [instrument]");
     read_instrument(*instrument, folder, read, reader, part);
-    if (!frames && part != AspirationPart::tissue)
-        all.missing("frames", "a table [frames] with rate_hz");
     if (frames) read_frames(*frames, folder, read.instrument);
     if (const auto pressure = all.table("pressure")) {
         pressure->allow_keys({"delay_s", "time_s", "suction_mbar", "suction_kpa"});

@@ -22,7 +22,7 @@ struct AspirationInstrument {
     double base_row_px = 0;                ///< row of z = 0, the lower face of the rim
     std::optional<double> axis_column_px;  ///< else the outlines' symmetry tells
     bool is_brighter = true;               ///< tissue, than what is behind it
-    double rate_hz = 0;                    ///< frames a second; 0: `time_s` are given
+    double rate_hz = 0;                    ///< frames a second; 0: not told so
     std::vector<double> frame_time_s;      ///< of each frame; may be empty
     bool is_published = false;             ///< the published search instead of ours
     /// Left column, top row, width, height of what is looked at; base row and axis count from
@@ -31,6 +31,8 @@ struct AspirationInstrument {
 
     /// For frames of this size. Throws Error(input_unusable) if the rim is not in them.
     ContourSettings contours(Index width, Index height) const;
+    /// Whether frames are timed here; if not, the film has to say.
+    bool has_times() const { return rate_hz > 0 || !frame_time_s.empty(); }
     /// Of a frame, from 0. Throws Error(input_unusable) if no time is given for it.
     double time_s(Index frame) const;
 };

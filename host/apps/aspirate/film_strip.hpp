@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,11 +14,12 @@ class FilmStrip {
 public:
     struct Shown {
         Index number;
+        double time_s;
         GreyFrame frame;
         Outline outline;
     };
 
-    void add(const GreyFrame& frame, const Outline& outline);
+    void add(const GreyFrame& frame, const Outline& outline, double time_s);
     const std::vector<Shown>& shown() const { return shown_; }
 
 private:
@@ -27,11 +27,12 @@ private:
     std::vector<Shown> shown_;
 };
 
-/// contours.html: frames with outlines, and the highest point over time.
-///   headline   HTML; `seconds` and `apex_mm` [frames that were seen]
-std::string contours_page(const FilmStrip& strip, const std::string& headline,
-                          const std::string& figures, const std::vector<double>& seconds,
-                          const std::vector<double>& apex_mm,
-                          const std::function<double(Index)>& time_s, double rows_per_column);
+/// Sections of a page: how far the highest point came, and frames with their outlines.
+///   `seconds` and `apex_mm` [frames that were seen]; a row of pixels is `rows_per_column` of a
+///   column high on the tissue
+std::string film_sections(const FilmStrip& strip, const std::vector<double>& seconds,
+                          const std::vector<double>& apex_mm, double rows_per_column);
+/// Of these sections.
+extern const char* const film_style;
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/aspirate/contours_page.hpp"
+#include "host/apps/aspirate/film_strip.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 #include "host/page/page.hpp"
 #include "host/page/plot.hpp"
 #include "host/page/png.hpp"
-#include "host/system/version.hpp"
 
 namespace palpate {
 namespace {
@@ -49,7 +48,7 @@ std::string lines_of(const Outline& outline, bool is_sure, const char* colour, d
 }
 
 /// Pixels are drawn as they are on the tissue: a row is `stretch` of a column high.
-std::string picture(const FilmStrip::Shown& shown, double time_s, double stretch) {
+std::string picture(const FilmStrip::Shown& shown, double stretch) {
     std::vector<std::uint8_t> grey;
     for (const float value : shown.frame.grey)
         grey.push_back(std::uint8_t(std::clamp(std::lround(value), 0L, 255L)));
@@ -62,12 +61,12 @@ std::string picture(const FilmStrip::Shown& shown, double time_s, double stretch
         "<figcaption>{6:.2f} s, frame {7}</figcaption></figure>",
         width, drawn, shown.number + 1, to_base64(png_of(width, height, grey)),
         lines_of(shown.outline, true, sure_colour, stretch),
-        lines_of(shown.outline, false, guess_colour, stretch), time_s, shown.number + 1);
+        lines_of(shown.outline, false, guess_colour, stretch), shown.time_s, shown.number + 1);
 }
 
 }  // namespace
 
-void FilmStrip::add(const GreyFrame& frame, const Outline& outline) {
+void FilmStrip::add(const GreyFrame& frame, const Outline& outline, double time_s) {
     const Index number = number_++;
     if (number % step_ != 0) return;
     if (shown_.size() == most_shown) {
@@ -75,16 +74,19 @@ void FilmStrip::add(const GreyFrame& frame, const Outline& outline) {
         std::erase_if(shown_, [&](const Shown& one) { return one.number % step_ != 0; });
         if (number % step_ != 0) return;
     }
-    shown_.push_back({number, frame, outline});
+    shown_.push_back({number, time_s, frame, outline});
 }
 
-std::string contours_page(const FilmStrip& strip, const std::string& headline,
-                          const std::string& figures, const std::vector<double>& seconds,
-                          const std::vector<double>& apex_mm,
-                          const std::function<double(Index)>& time_s, double rows_per_column) {
+const char* const film_style =
+    ".strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(260px,1fr));"
+    "gap:14px}.strip figure{margin:0}.strip svg{width:100%;display:block}"
+    ".legend{display:flex;gap:18px;margin-bottom:10px}.legend i{display:inline-block;"
+    "width:14px;height:3px;margin-right:6px;vertical-align:middle}";
+
+std::string film_sections(const FilmStrip& strip, const std::vector<double>& seconds,
+                          const std::vector<double>& apex_mm, double rows_per_column) {
     std::string pictures;
-    for (const FilmStrip::Shown& shown : strip.shown())
-        pictures += picture(shown, time_s(shown.number), rows_per_column);
+    for (const FilmStrip::Shown& shown : strip.shown()) pictures += picture(shown, rows_per_column);
     std::string curve;
     if (!seconds.empty()) {
         const auto [low, high] = std::minmax_element(apex_mm.begin(), apex_mm.end());
@@ -94,21 +96,10 @@ std::string contours_page(const FilmStrip& strip, const std::string& headline,
         plot.curve(seconds, apex_mm, "var(--accent)", false);
         curve = "<figure>" + plot.svg("Highest point of the tissue over time") + "</figure>";
     }
-    return page_html(
-        {.kind = "palpate aspirate contours",
-         .version = version_text(),
-         .headline = headline,
-         .lead = "<p class='summary'>Outlines of tissue in the frames of a film.</p>",
-         .main = section_html("figures", "Figures", figures) +
-                 section_html("apex", "Travel", curve) +
-                 section_html("frames", "Frames",
-                              legend_html({{"outline", sure_colour}, {"guessed", guess_colour}}) +
-                                  "<div class='strip'>" + pictures + "</div>"),
-         .footer = "All points: <code>profiles.csv</code>.",
-         .style = ".strip{display:grid;grid-template-columns:repeat(auto-fill,minmax(260px,1fr));"
-                  "gap:14px}.strip figure{margin:0}.strip svg{width:100%;display:block}"
-                  ".legend{display:flex;gap:18px;margin-bottom:10px}.legend i{display:inline-block;"
-                  "width:14px;height:3px;margin-right:6px;vertical-align:middle}"});
+    return section_html("apex", "Travel", curve) +
+           section_html("frames", "Frames",
+                        legend_html({{"outline", sure_colour}, {"guessed", guess_colour}}) +
+                            "<div class='strip'>" + pictures + "</div>");
 }
 
 }  // namespace palpate

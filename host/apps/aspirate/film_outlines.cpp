@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/film_outlines.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <optional>
+
+#include "host/apps/aspirate/contours/contour_tracker.hpp"
+#include "host/apps/aspirate/contours/published_outline.hpp"
+#include "host/apps/aspirate/frames/frame_source.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double most_lost_part = 0.2, most_asymmetry_mm = 0.3;
+
+GreyFrame cropped(const GreyFrame& frame, const std::array<Index, 4>& crop) {
+    const auto [left, top, width, height] = crop;
+    if (left + width > frame.width || top + height > frame.height)
+        throw Error(ErrorCode::input_unusable,
+                    fmt::format("crop_px reaches to column {} and row {}, but frames have {} x {} "
+                                "pixels; correct it",
+                                left + width, top + height, frame.width, frame.height));
+    GreyFrame part{width, height, {}};
+    part.grey.reserve(std::size_t(width * height));
+    for (Index y = top; y < top + height; ++y) {
+        const auto row = frame.grey.begin() + y * frame.width + left;
+        part.grey.insert(part.grey.end(), row, row + width);
+    }
+    return part;
+}
+
+/// Either way of finding outlines.
+class Finder {
+public:
+    explicit Finder(const AspirationInstrument& instrument) : instrument_(instrument) {}
+    const Outline& add(const GreyFrame& frame) {
+        if (!ours_ && !published_) {
+            const ContourSettings settings = instrument_.contours(frame.width, frame.height);
+            if (instrument_.is_published)
+                published_.emplace(settings);
+            else
+                ours_.emplace(settings);
+        }
+        return ours_ ? ours_->add(frame) : published_->add(frame);
+    }
+
+private:
+    AspirationInstrument instrument_;
+    std::optional<ContourTracker> ours_;
+    std::optional<PublishedOutline> published_;
+};
+
+void add_frame(FilmOutlines& film, const GreyFrame& frame, const Outline& outline, double time_s,
+               const AspirationInstrument& instrument) {
+    Index seen = 0, sure = 0;
+    double highest = std::numeric_limits<double>::max();
+    for (const OutlinePoint& point : outline) {
+        if (point.flag == PointFlag::hidden) continue;
+        ++seen;
+        if (point.flag != PointFlag::ok) continue;
+        ++sure;
+        highest = std::min(highest, point.row);
+    }
+    film.num_points += seen;
+    film.num_guessed += seen - sure;
+    if (2 * sure <= seen) {
+        ++film.num_lost;
+    } else {
+        film.time_s.push_back(time_s);
+        film.apex_mm.push_back((instrument.base_row_px - highest) * instrument.pixel_z_um / 1000);
+    }
+    film.strip.add(frame, outline, time_s);
+    ++film.num_frames;
+}
+
+void refuse_bad_film(const FilmOutlines& film, const AspirationInstrument& instrument) {
+    const auto refuse = [](const std::string& why) { throw Error(ErrorCode::input_unusable, why); };
+    if (film.num_frames == 0) refuse("there is no frame; give at least one");
+    if (film.num_lost == film.num_frames)
+        refuse(
+            "no tissue is seen above the line of visibility in any frame; correct base_row_px, "
+            "tissue or the film");
+    if (film.num_lost > most_lost_part * film.num_frames)
+        refuse(
+            fmt::format("the outline is lost in {} of {} frames; better light or contrast is "
+                        "needed",
+                        film.num_lost, film.num_frames));
+    const double asymmetry_mm = film.axis.asymmetry * instrument.pixel_z_um / 1000;
+    if (asymmetry_mm > most_asymmetry_mm)
+        refuse(
+            fmt::format("the tissue's sides differ by {:.2f} mm about the axis; allowed: {:g}; "
+                        "put the tube on straight, or correct axis_column_px",
+                        asymmetry_mm, most_asymmetry_mm));
+}
+
+FrameSource source_of(const OptionValues& values, const ProgressSink& progress) {
+    const bool is_raw = values.text("frames") == "-";
+    if (is_raw != values.is_given("raw"))
+        throw Error(ErrorCode::invalid_argument,
+                    is_raw ? "raw bytes need their size; give --raw WIDTHxHEIGHT"
+                           : "--raw is for bytes on standard input; give - in place of a folder");
+    return is_raw ? FrameSource(std::cin, values.text("raw"))
+                  : FrameSource(values.path("frames"), progress);
+}
+
+/// What the settings say goes before what the film says.
+class FrameTimes {
+public:
+    FrameTimes(const AspirationInstrument& instrument, const FrameSource& source)
+        : instrument_(instrument), source_(source) {}
+
+    double next() {
+        const Index number = number_++;
+        if (instrument_.has_times()) return instrument_.time_s(number);
+        const auto told = source_.time_s();
+        if (!told)
+            throw Error(ErrorCode::invalid_argument,
+                        "nothing tells when frames were taken; give rate_hz or times in [frames]");
+        if (number > 0 && !(*told > last_s_))
+            throw Error(ErrorCode::input_unusable,
+                        fmt::format("the film's times go back at frame {}, to {:g} s after {:g} "
+                                    "s; give rate_hz or times in [frames]",
+                                    number + 1, *told, last_s_));
+        return last_s_ = *told;
+    }
+
+private:
+    const AspirationInstrument& instrument_;
+    const FrameSource& source_;
+    Index number_ = 0;
+    double last_s_ = 0;
+};
+
+}  // namespace
+
+FilmOutlines follow_film(const OptionValues& values, const AspirationInstrument& instrument,
+                         const std::function<void(const std::string&)>& write,
+                         const ProgressSink& progress) {
+    FrameSource source = source_of(values, progress);
+    FrameTimes times(instrument, source);
+    Finder finder(instrument);
+    ProfileWriter writer(instrument, write);
+    FilmOutlines film;
+    GreyFrame frame;
+    while (source.next(frame)) {
+        if (instrument.crop_px) frame = cropped(frame, *instrument.crop_px);
+        const Outline& outline = finder.add(frame);
+        const double time_s = times.next();
+        add_frame(film, frame, outline, time_s, instrument);
+        writer.add(outline, time_s);
+        const double done =
+            source.num_frames() ? double(film.num_frames) / double(source.num_frames()) : -1;
+        if (film.num_frames % 50 == 1)
+            report_progress(progress, "frames", done, fmt::format("{} outlines", film.num_frames));
+        check_cancelled(progress);
+    }
+    writer.finish();
+    film.axis = *writer.axis();
+    refuse_bad_film(film, instrument);
+    return film;
+}
+
+FilmOutlines write_profiles(const std::filesystem::path& folder, const OptionValues& values,
+                            const AspirationInstrument& instrument, const ProgressSink& progress) {
+    std::ofstream profiles(folder / profiles_file, std::ios::binary);
+    FilmOutlines film = follow_film(
+        values, instrument, [&](const std::string& rows) { profiles << rows; }, progress);
+    if (!profiles.flush())
+        throw Error(ErrorCode::output_failed,
+                    fmt::format("cannot write '{}': is the disk full?", folder.string()));
+    return film;
+}
+
+ResultTree outlines_tree(const FilmOutlines& film, const AspirationInstrument& instrument) {
+    ResultTree tree =
+        ResultTree::of("contours", {{"format", "palpate-contours"}, {"format_version", 1}});
+    tree.title = "Outlines of tissue";
+    tree.add({.name = "frames", .value = std::int64_t(film.num_frames), .title = "Frames"});
+    tree.add({.name = "lost_frames",
+              .value = std::int64_t(film.num_lost),
+              .title = "Frames without an outline"});
+    tree.add({.name = "guessed_percent",
+              .value = 100 * film.num_guessed / std::max(1.0, film.num_points),
+              .unit = "%",
+              .title = "Points that are flagged",
+              .decimals = 1});
+    tree.add({.name = "axis_column_px",
+              .value = film.axis.column,
+              .unit = "px",
+              .title = "Column of the axis",
+              .decimals = 2});
+    tree.add({.name = "asymmetry_mm",
+              .value = film.axis.asymmetry * instrument.pixel_z_um / 1000,
+              .unit = "mm",
+              .title = "Asymmetry",
+              .decimals = 3});
+    const auto [low, high] = std::minmax_element(film.apex_mm.begin(), film.apex_mm.end());
+    tree.add({.name = "travel_mm",
+              .value = *high - *low,
+              .unit = "mm",
+              .title = "Travel of the highest point",
+              .decimals = 3});
+    return tree;
+}
+
+}  // namespace palpate

@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/tissue_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "host/apps/aspirate/fit_page.hpp"
+#include "host/apps/compute_options.hpp"
+#include "host/apps/identify/experiment_problem.hpp"
+#include "host/apps/identify/identified_tree.hpp"
+#include "host/apps/identify/mesh_check.hpp"
+#include "host/io/output_folder.hpp"
+#include "host/page/tree_json.hpp"
+#include "host/system/exit_codes.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* points_file = "points.csv";
+
+std::string open_from(double start) {
+    return fmt::format("{{unknown = true, start = {:.5g}}}", start);
+}
+
+/// Every number of the law and of its relaxation is looked for.
+TissueText open_tissue(const std::string& law, int num_terms, const TissueStart& start) {
+    TissueText tissue{law, {}, {}};
+    if (law == "reduced-polynomial")
+        tissue.parameters = {{"c1_kpa", open_from(start.mu_kpa)},
+                             {"c2_kpa", open_from(0.5 * start.mu_kpa * start.gamma)}};
+    else
+        tissue.parameters = {{"mu_kpa", open_from(start.mu_kpa)}};
+    if (law == "veronda-westmann") tissue.parameters.emplace_back("gamma", open_from(start.gamma));
+    double time_s = num_terms > 1 ? 1 : 3;
+    for (int k = 0; k < num_terms; ++k, time_s *= 5)
+        tissue.relaxation.emplace_back(open_from(0.4 / num_terms), open_from(time_s));
+    return tissue;
+}
+
+std::string experiment_text(const AspirationSettings& settings, const AspirationFitInput& input,
+                            const Suction& suction, const TissueText& tissue) {
+    AspirationBody body = AspirationBody::of(settings);
+    body.rest = input.rest.surface;
+    body.steps = input.steps;
+    body.peak_kpa = suction.peak_kpa();
+    body.tissue = tissue;
+    body.kappa_kpa = settings.kappa_over_shear * input.start.peak_stiffness_kpa;
+    body.contact_kpa_per_mm = contact_factor * input.start.peak_stiffness_kpa;
+    return aspiration_model_text(body) +
+           fmt::format(
+               "\n[[data]]\nname = \"profiles\"\nkind = \"profile\"\nfile = \"{}\"\n"
+               "where = {{point_array = \"surface\"}}\nrest = \"measured\"\n"
+               "r_scale = {}\nz_scale = {}\ndelay_s = {}\n",
+               points_file, settings.pixel_r_um.scale_text(), settings.pixel_z_um.scale_text(),
+               settings.delay_s.text());
+}
+
+std::string name_of_model(const std::string& law, int num_terms) {
+    return fmt::format("{}, {} relaxation term{}", law, num_terms, num_terms == 1 ? "" : "s");
+}
+
+/// One law with one number of relaxation terms.
+TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettings& settings,
+                   const AspirationFitInput& input, const Suction& suction, const fs::path& inside,
+                   const OptionValues& values, const ProgressSink& progress) {
+    const auto begin = std::chrono::steady_clock::now();
+    TriedModel tried;
+    tried.name = name_of_model(law, num_terms);
+    tried.experiment_toml =
+        experiment_text(settings, input, suction, open_tissue(law, num_terms, input.start));
+    tried.experiment = std::make_shared<const Experiment>(
+        Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
+    const auto configure = [&](SimulationSettings& model) {
+        take_tangent_options(values, model.newton);
+    };
+    const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
+    report_progress(progress, "fit", 0, tried.name);
+    tried.found = std::make_shared<IdentifiedExperiment>(
+        IdentifiedExperiment{.experiment = *tried.experiment});
+    IdentifiedExperiment& found = *tried.found;
+    found.fit = fit(problem, {}, progress);
+    report_progress(progress, "intervals", 0, tried.name);
+    found.identified = identify(problem, found.fit, {}, progress);
+    found.num_simulation = problem.num_simulation();
+    check_mesh(configure, found, progress);
+    found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return tried;
+}
+
+}  // namespace
+
+Suction suction_from(const OptionValues& values, const AspirationSettings& settings) {
+    if (values.is_given("pressure") == settings.suction.has_value())
+        throw Error(ErrorCode::invalid_argument,
+                    settings.suction ? "suction is given twice; leave out --pressure, or the "
+                                       "readings in [pressure]"
+                                     : "there is no suction; give --pressure, or readings in "
+                                       "[pressure]");
+    return settings.suction ? *settings.suction : read_suction(values.path("pressure"));
+}
+
+Outcome fit_tissue(const AspirationSettings& settings, const Suction& suction,
+                   const AspirationFitInput& input, const FilmOutlines* film,
+                   const fs::path& inside, const OptionValues& values,
+                   const ProgressSink& progress) {
+    write_text_file(inside / points_file, input.points_csv());
+    AspirationFit all{settings, input, suction, {}};
+    for (const std::string& law : settings.laws)
+        for (const int terms : settings.relaxation_terms)
+            all.models.push_back(
+                fit_one(law, terms, settings, input, suction, inside, values, progress));
+    const TriedModel& best = all.best();
+    write_text_file(inside / "experiment.toml", best.experiment_toml);
+    write_text_file(inside / "identified.toml",
+                    best.experiment->model_text(best.found->fit.values, inside));
+    write_text_file(inside / "fit.csv", fit_csv(*best.found));
+    Outcome outcome{.result = fit_tree(all)};
+    if (film) outcome.result.add(outlines_tree(*film, settings.instrument));
+    write_text_file(inside / fit_result_file, tree_json(outcome.result));
+    write_text_file(inside / "report.html", fit_page(all, outcome.result, film));
+    outcome.text = fit_text(all);
+    outcome.exit_code = best.found->converged() ? 0 : exit_code_not_converged;
+    return outcome;
+}
+
+}  // namespace palpate
