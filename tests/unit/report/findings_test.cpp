@@ -31,6 +31,25 @@ TEST(Findings, SayStiffnessIntervalRatioAndVerdict) {
               "factor of 2.");
 }
 
+TEST(Findings, SayWhichEndTheImagesDoNotGive) {
+    RecoveryResult result = synthetic_result();
+    RegionResult& prostate = result.regions[1];
+    EXPECT_EQ(bound_text(prostate), "");
+    prostate.verdict = Verdict::weak;
+
+    prostate.seen_ends = {true, false};
+    EXPECT_EQ(bound_text(prostate),
+              "at least 61.4 kPa (the upper end, 113 kPa, is what was assumed beforehand)");
+    EXPECT_EQ(finding_sentence(result, prostate).find("prostate, transition zone: at least 61.4"),
+              0u);
+
+    prostate.seen_ends = {false, true};
+    EXPECT_EQ(bound_text(prostate),
+              "at most 113 kPa (the lower end, 61.4 kPa, is what was assumed beforehand)");
+    prostate.seen_ends = {false, false};
+    EXPECT_EQ(bound_text(prostate), "");
+}
+
 TEST(Findings, GiveNoNumberForWhatCannotBeTold) {
     RecoveryResult result = synthetic_result();
     result.regions[1].verdict = Verdict::not_identifiable;

@@ -41,6 +41,17 @@ TEST(RecoveryTree, DescribesOnlyDisplacementFilesThatAreThere) {
     EXPECT_EQ(one["grid_of"], "reference");
 }
 
+TEST(RecoveryTree, TellsWhereTheEndsOfAnIntervalAreFrom) {
+    RecoveryResult result = synthetic_result();
+    result.regions[1].seen_ends = {true, false};
+
+    const nlohmann::json regions = parsed(result)["regions"];
+
+    EXPECT_EQ(regions[1]["lower_end_from"], "images");
+    EXPECT_EQ(regions[1]["upper_end_from"], "prior");
+    EXPECT_TRUE(regions[0]["upper_end_from"].is_null());  // given
+}
+
 TEST(RecoveryTree, HoldsTheFieldsThatProgramsReadByName) {
     const nlohmann::json j = parsed(synthetic_result());
 

@@ -35,6 +35,17 @@ TEST(TextReport, AlignsItsColumns) {
               "           3.73   0.25");
 }
 
+TEST(TextReport, SaysWhichEndTheImagesDoNotGive) {
+    RecoveryResult result = synthetic_result();
+    EXPECT_EQ(text_report(result).find("at least"), std::string::npos);
+
+    result.regions[1].seen_ends = {true, false};
+
+    EXPECT_NE(text_report(result).find("\nprostate, transition zone: at least 61.4 kPa (the upper "
+                                       "end, 113 kPa, is what was assumed beforehand).\n"),
+              std::string::npos);
+}
+
 TEST(TextReport, ListsPoissonRatiosThatWereSearched) {
     RecoveryResult result = synthetic_result();
     EXPECT_EQ(text_report(result).find("Poisson"), std::string::npos);

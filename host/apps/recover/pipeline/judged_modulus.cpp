@@ -63,6 +63,8 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
     const ModulusEvidence evidence = evidence_of(estimate, k, settings);
     const Judgement verdict = judge(evidence);
     result.interval_kpa = told_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
+    const bool is_told = verdict.verdict != Verdict::not_identifiable;
+    result.seen_ends = {is_told && evidence.excludes_soft, is_told && evidence.excludes_stiff};
     result.sd_ln = verdict.verdict == Verdict::not_identifiable
                        ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
                        : evidence.sd_ln;

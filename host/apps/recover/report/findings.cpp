@@ -68,10 +68,21 @@ const RegionResult* reference_tissue(const RecoveryResult& result) {
     return best;
 }
 
+std::string bound_text(const RegionResult& r) {
+    const auto& [lower, upper] = r.seen_ends;
+    if (lower == upper) return "";
+    return fmt::format("{} {} kPa (the {} end, {} kPa, is what was assumed beforehand)",
+                       lower ? "at least" : "at most", significant(r.interval_kpa[lower ? 0 : 1]),
+                       lower ? "upper" : "lower", significant(r.interval_kpa[lower ? 1 : 0]));
+}
+
 std::string finding_sentence(const RecoveryResult& result, const RegionResult& r) {
     if (r.verdict == Verdict::not_identifiable)
         return fmt::format("The stiffness of {} cannot be told from these images.{}", r.name,
                            as_sentence(r.reason));
+    if (const std::string bound = bound_text(r); !bound.empty())
+        return fmt::format("{}: {}. Most probable {} kPa. Verdict: {}.{}", r.name, bound,
+                           significant(r.stiffness_kpa), name_of(r.verdict), as_sentence(r.reason));
     std::string text =
         fmt::format("{}: {} kPa ({})", r.name, significant(r.stiffness_kpa), interval_text(r));
     if (const RegionResult* known = reference_tissue(result))

@@ -20,6 +20,9 @@ double total_seconds(const RecoveryResult& result);
 /// How the known tissue is called to which an unknown modulus is compared; null if there is none.
 const RegionResult* reference_tissue(const RecoveryResult& result);
 
+/// "at least 274 kPa (the upper end, 2,620 kPa, is what was assumed beforehand)" where the images
+/// give one end of a modulus' interval only; empty where they give both, or neither.
+std::string bound_text(const RegionResult& region);
 /// What was found about one unknown modulus, in one or two sentences.
 std::string finding_sentence(const RecoveryResult& result, const RegionResult& region);
 /// What was found about one Poisson's ratio that was searched.

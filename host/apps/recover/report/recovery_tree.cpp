@@ -49,6 +49,12 @@ ResultTree region_part(const RegionResult& r) {
                     .verdict = r.verdict,
                     .reason = r.reason,
                     .interval_name = "interval_kpa"});
+    const auto of_end = [&](int end) -> FigureValue {
+        if (!r.unknown || !std::isfinite(r.interval_kpa[end])) return {};
+        return r.seen_ends[end] ? "images" : "prior";
+    };
+    part.add("lower_end_from", of_end(0));
+    part.add("upper_end_from", of_end(1));
     part.add("sd_ln_stiffness", of_solid(r.sd_ln));
     part.add(Figure{.name = "poisson_ratio",
                     .value = of_solid(r.poisson_ratio),

@@ -107,7 +107,9 @@ std::string headline_of(const std::vector<TargetRow>& rows) {
     std::string out;
     for (const RegionResult& region : joint->unknown) {
         out += (out.empty() ? "" : "; ") + region.name + ": ";
-        out += is_known(region)
+        const std::string bound = bound_text(region);
+        out += !bound.empty() ? bound
+               : is_known(region)
                    ? fmt::format(
                          "{} kPa (95 % interval {} to {} kPa)", significant(region.stiffness_kpa),
                          significant(region.interval_kpa[0]), significant(region.interval_kpa[1]))

@@ -48,6 +48,9 @@ std::string text_report(const RecoveryResult& result) {
     const ResultTree regions = regions_tree(result.regions);
     std::string out = table_of(regions, {"name", "label", "role", "stiffness_kpa"}, "-").text() +
                       ratios_table(regions);
+    for (const RegionResult& r : result.regions)
+        if (const std::string bound = bound_text(r); !bound.empty())
+            out += harmless(r.name + ": " + bound) + ".\n";
     if (!result.surfaces.empty()) out += '\n' + surfaces_table(result);
     if (std::any_of(result.surfaces.begin(), result.surfaces.end(),
                     [](const SurfaceResult& s) { return s.cut_by_image; }))

@@ -48,6 +48,9 @@ struct RegionResult {
     // Of a region that is not hollow:
     std::array<double, 2> jacobian_range{1, 1};  ///< of its elements' volumes, after over before
     double strain_energy_mj = 0;
+    /// Whether the images give the lower and the upper end of `interval_kpa`; an end that they do
+    /// not give is what was assumed beforehand.
+    std::array<bool, 2> seen_ends{true, true};
 };
 
 /// One combination of unknown moduli and how much the images say of it.
