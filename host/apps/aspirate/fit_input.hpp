@@ -23,7 +23,7 @@ struct ApexTravel {
 
 /// Where a search begins, on the stiff side.
 struct TissueStart {
-    double mu_kpa = 1, gamma = 5;
+    double mu_kpa = 1, gamma = 5, amplitude = 0.4, relaxation_s = 3;
     double peak_stiffness_kpa = 10;  ///< Young's modulus that the travel at the peak tells
 };
 

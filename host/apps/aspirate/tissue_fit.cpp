@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "host/apps/aspirate/fit_page.hpp"
+#include "host/apps/aspirate/tissue_experiment.hpp"
 #include "host/apps/compute_options.hpp"
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/identified_tree.hpp"
@@ -21,45 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* points_file = "points.csv";
-
-std::string open_from(double start) {
-    return fmt::format("{{unknown = true, start = {:.5g}}}", start);
-}
-
-/// Every number of the law and of its relaxation is looked for.
-TissueText open_tissue(const std::string& law, int num_terms, const TissueStart& start) {
-    TissueText tissue{law, {}, {}};
-    if (law == "reduced-polynomial")
-        tissue.parameters = {{"c1_kpa", open_from(start.mu_kpa)},
-                             {"c2_kpa", open_from(0.5 * start.mu_kpa * start.gamma)}};
-    else
-        tissue.parameters = {{"mu_kpa", open_from(start.mu_kpa)}};
-    if (law == "veronda-westmann") tissue.parameters.emplace_back("gamma", open_from(start.gamma));
-    double time_s = num_terms > 1 ? 1 : 3;
-    for (int k = 0; k < num_terms; ++k, time_s *= 5)
-        tissue.relaxation.emplace_back(open_from(0.4 / num_terms), open_from(time_s));
-    return tissue;
-}
-
-std::string experiment_text(const AspirationSettings& settings, const AspirationFitInput& input,
-                            const Suction& suction, const TissueText& tissue) {
-    AspirationBody body = AspirationBody::of(settings);
-    body.rest = input.rest.surface;
-    body.steps = input.steps;
-    body.peak_kpa = suction.peak_kpa();
-    body.tissue = tissue;
-    body.kappa_kpa = settings.kappa_over_shear * input.start.peak_stiffness_kpa;
-    body.contact_kpa_per_mm = contact_factor * input.start.peak_stiffness_kpa;
-    return aspiration_model_text(body) +
-           fmt::format(
-               "\n[[data]]\nname = \"profiles\"\nkind = \"profile\"\nfile = \"{}\"\n"
-               "where = {{point_array = \"surface\"}}\nrest = \"measured\"\n"
-               "r_scale = {}\nz_scale = {}\ndelay_s = {}\n",
-               points_file, settings.pixel_r_um.scale_text(), settings.pixel_z_um.scale_text(),
-               settings.delay_s.text());
-}
-
 std::string name_of_model(const std::string& law, int num_terms) {
     return fmt::format("{}, {} relaxation term{}", law, num_terms, num_terms == 1 ? "" : "s");
 }
@@ -71,8 +33,8 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     const auto begin = std::chrono::steady_clock::now();
     TriedModel tried;
     tried.name = name_of_model(law, num_terms);
-    tried.experiment_toml =
-        experiment_text(settings, input, suction, open_tissue(law, num_terms, input.start));
+    tried.experiment_toml = experiment_text(
+        settings, {input.rest.surface, input.steps, input.start}, suction, law, num_terms);
     tried.experiment = std::make_shared<const Experiment>(
         Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
     const auto configure = [&](SimulationSettings& model) {

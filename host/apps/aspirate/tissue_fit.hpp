@@ -11,7 +11,6 @@
 namespace palpate {
 
 constexpr const char* fit_result_file = "result.json";
-constexpr double contact_factor = 300;  ///< stiffness of the tube over that of the tissue, per mm
 
 /// Of the option `pressure` or of the settings. Throws Error(invalid_argument) if both or neither
 /// have it, and what `read_suction` throws.

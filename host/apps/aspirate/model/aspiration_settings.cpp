@@ -208,6 +208,18 @@ void read_tissue(const SettingsTable& table, AspirationSettings& read, const Num
     read.steps = table.whole_number("steps", 12, 400).value_or(read.steps);
 }
 
+SupposedTissue read_supposed(const SettingsTable& table) {
+    table.allow_keys({"mu_kpa", "gamma", "amplitude", "time_s", "cap_mm", "sd_mm"});
+    SupposedTissue read;
+    read.mu_kpa = needed(table, "mu_kpa", {0, 1e4, true}, "0.7, for example");
+    read.gamma = table.number("gamma", {0, 200}).value_or(read.gamma);
+    read.amplitude = table.number("amplitude", {0, 100, true}).value_or(read.amplitude);
+    read.relaxation_s = table.number("time_s", {0, 1e4, true}).value_or(read.relaxation_s);
+    read.cap_mm = table.number("cap_mm", {0, 50}).value_or(read.cap_mm);
+    read.sd_mm = table.number("sd_mm", {0, 10, true}).value_or(read.sd_mm);
+    return read;
+}
+
 }  // namespace
 
 ContourSettings AspirationInstrument::contours(Index width, Index height) const {
@@ -241,7 +253,7 @@ AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart
     const NumberReader reader;
     const SettingsTable all =
         SettingsTable::parse(text, path.filename().string(), reader.resolver());
-    all.allow_keys({"instrument", "frames", "pressure", "tissue"});
+    all.allow_keys({"instrument", "frames", "pressure", "tissue", "supposed"});
     const fs::path folder = path.parent_path();
     AspirationSettings read;
     const auto instrument = all.table("instrument"), frames = all.table("frames");
@@ -259,6 +271,7 @@ AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart
     read.laws = {"veronda-westmann"};
     read.relaxation_terms = {1};
     if (const auto tissue = all.table("tissue")) read_tissue(*tissue, read, reader);
+    if (const auto supposed = all.table("supposed")) read.supposed = read_supposed(*supposed);
     return read;
 }
 

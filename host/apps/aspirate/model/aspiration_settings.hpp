@@ -37,6 +37,13 @@ struct AspirationInstrument {
     double time_s(Index frame) const;
 };
 
+/// Tissue that is supposed, to plan an experiment.
+struct SupposedTissue {
+    double mu_kpa = 1, gamma = 5, amplitude = 0.4, relaxation_s = 3;
+    double cap_mm = 1;    ///< height of the surface before suction, over the rim's face
+    double sd_mm = 0.01;  ///< noise of a point of a profile
+};
+
 /// All that a settings file says.
 struct AspirationSettings {
     AspirationInstrument instrument;
@@ -52,6 +59,7 @@ struct AspirationSettings {
     SettingNumber friction;
     bool sticks = false;  ///< no slip on the tube
     int steps = 48;       ///< that the cycle is solved in
+    std::optional<SupposedTissue> supposed;
 };
 
 /// Which tables of a settings file are needed; others are read where they are there.

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "host/apps/aspirate/fit_input.hpp"
+
+namespace palpate {
+
+constexpr const char* points_file = "points.csv";  ///< that an experiment's data are in
+constexpr double supposed_friction = 0.3;          ///< where it is unknown
+
+/// What is sucked, how, and what its tissue is taken for at first.
+struct SuckedBody {
+    RestSurface rest;
+    SuctionSteps steps;
+    TissueStart start;
+};
+
+/// The model of a law with `num_terms` relaxation terms, whose numbers are those of the start.
+std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,
+                                const Suction& suction, const std::string& law, int num_terms);
+
+/// The experiment that `palpate identify` reads: numbers of the law and of its relaxation are
+/// looked for from the start on, profiles are in `points_file`.
+std::string experiment_text(const AspirationSettings& settings, const SuckedBody& sucked,
+                            const Suction& suction, const std::string& law, int num_terms);
+
+}  // namespace palpate
