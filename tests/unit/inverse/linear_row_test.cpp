@@ -44,10 +44,7 @@ TEST(LinearRow, NoiseIsTheSameWithCorrelationsThatWereComputedBefore) {
         }
     }
     const Eigen::MatrixXd noise = noise_matrix(rows);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        for (std::size_t j = 0; j < rows.size(); ++j)
-            if (rows[i].on_driven == rows[j].on_driven)
-                EXPECT_NEAR(noise_matrix(known)(i, j), noise(i, j), 1e-14) << i << ' ' << j;
+    EXPECT_LT((noise_matrix(known) - noise).cwiseAbs().maxCoeff(), 1e-14);
     EXPECT_GT(std::abs(noise(2, 7)), 1e-3);
 }
 
