@@ -77,7 +77,7 @@ PreparedReference prepare(const RecoverOptions& options) {
     MesherSummary mesher;
     mesher.mesher = "cubes";
     mesher.quality = mesh_quality(corner_mesh_of(mesh.mesh), settings.num_regions());
-    auto maps = maps_of_matched(reference.state.field, settings);
+    auto maps = maps_of_matched(reference.state.field, settings, own_margin_mm);
     StageTimer timer;
     return prepare_reference(std::move(reference), std::move(mesh), std::move(mesher),
                              std::move(maps), options, timer, {});
