@@ -33,7 +33,7 @@ constexpr double target_margin_mm = 20;
 /// Distance maps of the organs that are matched (every organ that is not fixed), settings order;
 /// those of a target are asked farther out than the nodes of a reference lie from its own surface.
 std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings,
-                                         double margin_mm = target_margin_mm);
+                                         double margin_mm);
 /// The same of the fixed organs.
 std::vector<DistanceMap> maps_of_fixed(const LabelField& field, const Settings& settings);
 

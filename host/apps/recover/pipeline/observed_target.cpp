@@ -24,7 +24,7 @@ TargetShapes target_shapes(const TargetState& target, const Settings& settings) 
         return shapes;
     }
     const RigidTransform back = target.alignment.reference_to_target.inverse();
-    for (const auto& map : maps_of_matched(target.labels->field, settings)) {
+    for (const auto& map : maps_of_matched(target.labels->field, settings, target_margin_mm)) {
         shapes.push_back(std::make_shared<DistanceMap>(map.moved(back)));
     }
     return shapes;

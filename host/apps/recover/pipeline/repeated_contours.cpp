@@ -51,8 +51,8 @@ double contour_sd_of(const Segmentation& first, const Segmentation& second,
                                 "contours; segment the image once more, independently",
                                 first.name, second.name));
     const LabelledState a = make_state(first, settings), b = make_state(second, settings);
-    const std::vector<DistanceMap> maps_a = maps_of_matched(a.field, settings);
-    const std::vector<DistanceMap> maps_b = maps_of_matched(b.field, settings);
+    const std::vector<DistanceMap> maps_a = maps_of_matched(a.field, settings, target_margin_mm);
+    const std::vector<DistanceMap> maps_b = maps_of_matched(b.field, settings, target_margin_mm);
     SquareSum all;
     for (std::size_t organ = 0; organ < maps_a.size(); ++organ) {
         const SquareSum own = squares_between(maps_a[organ], maps_b[organ], a.regions.grid);
