@@ -38,8 +38,10 @@ double voxel_edge_mm(const RecoveryResult& result) {
     return std::cbrt(result.displacement_field.grid.spacing.prod());
 }
 
+/// Of tissue: loaded organs fill and empty.
 bool has_other_volume(const SurfaceResult& surface) {
-    if (surface.cut_by_image || surface.target_kind != "labels") return false;
+    if (surface.role != Role::tissue || surface.cut_by_image || surface.target_kind != "labels")
+        return false;
     const double before = enclosed_volume(surface.reference);
     const double after = enclosed_volume(surface.target);
     return before > 0 && after > 0 && std::abs(after / before - 1) > most_volume_change;
