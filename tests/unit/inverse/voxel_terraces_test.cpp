@@ -6,8 +6,10 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <random>
 
 #include "host/apps/recover/inverse/linear_row.hpp"
+#include "host/geometry/surfaces/distance_map.hpp"
 
 namespace palpate {
 namespace {
@@ -51,16 +53,38 @@ TEST(VoxelTerraces, AreSmoothedAwayAcrossThePlanes) {
     EXPECT_LT(last, 0.1);
 }
 
-TEST(VoxelTerraces, OfTheSamePlanesCancelOverWholeVoxelsAndDoubleOverHalfOnes) {
+TEST(VoxelTerraces, OfTheSamePlanesCancelOverWholeVoxelsAsFarAsTheMotionIsKnown) {
     VoxelPlanes target = thick_slices();
     target.origin += Vec3(7, 4, 9);  // another box of the same lattice
     const VoxelTerraces both({thick_slices(), target}, 4);
-    const double one = thick_slices().terrace_deviation(up)[2];
     const Vec3 x(20.3, 11.8, 31.1);
+    const auto variance = [&](const Vec3& normal, double shift) {
+        return both.of_distance(x, normal, x + Vec3(0.4, 0, shift), normal).variance();
+    };
 
-    EXPECT_NEAR(both.of_distance(x, up, x + Vec3(0.4, 0, 6), up).variance(), 0, 1e-9);
-    EXPECT_NEAR(both.of_distance(x, up, x + Vec3(0.4, 0, 1.5), up).variance(), 4 * one * one, 1e-6);
-    EXPECT_NEAR(both.of_distance(x, up, x + Vec3(0, 0, 0.75), up).variance(), 2 * one * one, 1e-6);
+    double last = 0;
+    for (const double degrees : {0.0, 15.0, 35.0}) {
+        const double angle = degrees * std::acos(-1.0) / 180;
+        const Vec3 normal(0, std::sin(angle), std::cos(angle));
+        const double one = std::abs(thick_slices().terrace_deviation(normal)[2]);
+        // e^2 + e'^2 - 2 rho e e' cos(2 pi shift / h)
+        const double known = std::exp(-4 * std::pow(std::acos(-1.0) * one / 3, 2));
+        EXPECT_GT(known, last);
+        last = known;
+        EXPECT_NEAR(variance(normal, 6), 2 * one * one * (1 - known), 1e-4) << degrees;
+        EXPECT_NEAR(variance(normal, 1.5), 2 * one * one * (1 + known), 1e-4) << degrees;
+        EXPECT_NEAR(variance(normal, 0.75), 2 * one * one, 1e-4) << degrees;
+    }
+    EXPECT_GT(last, 0.5);
+}
+
+TEST(VoxelTerraces, OfASurfaceAlongThePlanesHaveNearlyTheErrorOfTwo) {
+    // It ends where voxels end before and after, so that it seems to have moved by whole voxels.
+    const VoxelTerraces both({thick_slices(), thick_slices()}, 4);
+    const double one = thick_slices().terrace_deviation(up)[2];
+    const Terraces still = both.of_distance(Vec3::Zero(), up, Vec3::Zero(), up);
+
+    EXPECT_GT(still.variance(), 0.9 * 2 * one * one);
 }
 
 TEST(VoxelTerraces, OfTurnedPlanesAddTheirVariances) {
@@ -89,6 +113,72 @@ TEST(VoxelTerraces, AreSharedBetweenTheSamePlanesAndOppositeHalfAVoxelFurther) {
     LinearRow elsewhere = at(Vec3(5, 0, 0));
     elsewhere.surface = 1;
     EXPECT_EQ(noise_covariance(here, elsewhere), 0);
+}
+
+/// An ellipsoid voxelised exactly, voxels of 1 mm.
+struct Ellipsoid {
+    Vec3 centre, axes{18, 14, 16};
+
+    Vec3 on_surface(const Vec3& direction) const {
+        return centre + direction / direction.cwiseQuotient(axes).norm();
+    }
+    DistanceMap map() const {
+        RegionImage image;
+        image.grid.size = {48, 48, 48};
+        image.grid.origin = Vec3::Constant(-23.5);
+        image.voxels.resize(image.grid.num_voxels());
+        for (Index k = 0; k < 48; ++k)
+            for (Index j = 0; j < 48; ++j)
+                for (Index i = 0; i < 48; ++i) {
+                    const Vec3 own = image.grid.to_point(Vec3(i, j, k)) - centre;
+                    image.at(i, j, k) = own.cwiseQuotient(axes).norm() < 1 ? 2 : 1;
+                }
+        return DistanceMap(LabelField(image, 3), 2);
+    }
+};
+
+/// Distances of points of the true surface over the deviation that voxels are said to leave,
+/// where surfaces are found; root mean squares where the surface lies along voxel planes (within 10
+/// degrees) and where it does not (more than 20).
+TEST(VoxelTerraces, AreAsLargeAsVoxelsMakeThemWhereverTheSurfaceIsFound) {
+    constexpr double independent_mm = 0.11;  // [prior] noise_voxels of 1 mm
+    VoxelPlanes planes;
+    planes.origin = Vec3::Constant(-23.5);
+    const VoxelTerraces both({planes, planes}, 4);
+    double along = 0, across = 0;
+    int num_along = 0, num_across = 0;
+    std::mt19937 engine(7);
+    std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+    for (int pair = 0; pair < 4; ++pair) {
+        Ellipsoid before, after;
+        before.centre = Vec3(uniform(engine), uniform(engine), uniform(engine));
+        const Vec3 moved(uniform(engine), uniform(engine), uniform(engine));
+        after.centre = before.centre + moved;
+        const DistanceMap reference = before.map(), target = after.map();
+        for (int p = 0; p < 400; ++p) {
+            const double z = 1 - (2 * p + 1) / 400.0, turn = 2.39996 * p;  // evenly on the sphere
+            const double ring = std::sqrt(1 - z * z);
+            const Vec3 x = before.on_surface(Vec3(ring * std::cos(turn), ring * std::sin(turn), z));
+            Vec3 n, m;
+            const double own = reference.value(x, n), other = target.value(x + moved, m);
+            const Terraces terraces = both.of_distance(x - own * n, n.normalized(),
+                                                       x + moved - other * m, m.normalized());
+            const double variance = terraces.variance() + independent_mm * independent_mm;
+            const double z2 = std::pow(other - own, 2) / variance;
+            const double cosine = n.normalized().cwiseAbs().maxCoeff();
+            if (cosine > std::cos(10 * std::acos(-1.0) / 180)) {
+                along += z2;
+                ++num_along;
+            } else if (cosine < std::cos(20 * std::acos(-1.0) / 180)) {
+                across += z2;
+                ++num_across;
+            }
+        }
+    }
+    ASSERT_GT(num_along, 50);
+    EXPECT_NEAR(std::sqrt(along / num_along), 0.8, 0.25);
+    // The search multiplies the independent part by up to 1.3 (method.md, 4.5).
+    EXPECT_NEAR(std::sqrt(across / num_across), 1.05, 0.25);
 }
 
 }  // namespace

@@ -43,7 +43,10 @@ struct Terraces {
 /// What terraces do to distances between two surfaces. Two places between the same planes are off
 /// in the same direction, half a voxel further in the other. Where both volumes have the same
 /// planes, so are a place and where it moves to: what moves by whole voxels shows no error, what
-/// moves by half a voxel twice that of one surface.
+/// moves by half a voxel twice that of one surface. As far as one knows how it moves: a surface
+/// along voxel planes always ends where voxels end, so that it seems to have moved by whole voxels
+/// however it moved. Only the share exp(-2 pi^2 (e^2 + e'^2) / h^2) of the target's wave goes with
+/// the reference's, e and e' the terraces of both; the rest is a wave of its own.
 class VoxelTerraces {
 public:
     VoxelTerraces() = default;
