@@ -9,6 +9,7 @@
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/condense/region_mechanics.hpp"
+#include "solver/materials/registry.hpp"
 #include "solver/model/node_rows.hpp"
 
 namespace palpate {
@@ -116,7 +117,8 @@ SubModel extract_region(const SolidModel& model, const NodeRoles& roles, Index r
     if (sub.model.mesh.region.empty()) return sub;
     // K_r at 1 kPa: S(E) = sum_r E_r S_r then holds for every modulus (method.md, 1.3).
     sub.model.materials = {model.materials[region]};
-    sub.model.materials[0].parameters[0] = 1;
+    SolidMaterial& material = sub.model.materials[0];
+    material.parameters = parameters_of_stiffness(material.law, material.parameters, 1);
     std::sort(observed.begin(), observed.end());
     std::sort(driven.begin(), driven.end());
     for (const auto& [position, node] : observed) {

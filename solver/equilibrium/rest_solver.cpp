@@ -8,6 +8,7 @@
 #include "solver/equilibrium/solid_assembly.hpp"
 #include "solver/linear/direct_columns.hpp"
 #include "solver/linear/make_linear_solver.hpp"
+#include "solver/materials/registry.hpp"
 #include "solver/model/tet4_model.hpp"
 
 namespace palpate {
@@ -30,8 +31,11 @@ public:
                         "The linear solver got " + std::to_string(stiffness_kpa.size()) +
                             " moduli for " + std::to_string(model_.materials.size()) +
                             " materials; give one per material.");
-        for (std::size_t r = 0; r < stiffness_kpa.size(); ++r)
-            model_.materials[r].parameters[0] = stiffness_kpa[r];
+        for (std::size_t r = 0; r < stiffness_kpa.size(); ++r) {
+            SolidMaterial& material = model_.materials[r];
+            material.parameters =
+                parameters_of_stiffness(material.law, material.parameters, stiffness_kpa[r]);
+        }
         system_.set(stiffness_at_rest(model_));
         columns_.factorise();
     }

@@ -35,6 +35,9 @@ struct LinearLaw {
         return {lame_moduli<Real>(values[0], values[1])};
     }
     static SmallStrainModuli small_strain(const double* values) { return {values[0], values[1]}; }
+    static std::vector<double> parameters_of(const SmallStrainModuli& moduli) {
+        return {moduli.stiffness_kpa, moduli.poisson_ratio};
+    }
 
     PALPATE_DEVICE State state(const Tensor3<Real>& h) const {
         State s{twice_symmetric_part(h), true};

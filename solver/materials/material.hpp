@@ -58,9 +58,19 @@ constexpr SmallStrainModuli moduli_of_shear_and_bulk(double shear_kpa, double bu
     return {9 * bulk_kpa * shear_kpa / (3 * bulk_kpa + shear_kpa),
             (3 * bulk_kpa - 2 * shear_kpa) / (2 * (3 * bulk_kpa + shear_kpa))};
 }
+/// G = E / (2 (1 + nu)), kPa.
+constexpr double shear_modulus(const SmallStrainModuli& moduli) {
+    return moduli.stiffness_kpa / (2 * (1 + moduli.poisson_ratio));
+}
+/// K = E / (3 (1 - 2 nu)), kPa.
+constexpr double bulk_modulus(const SmallStrainModuli& moduli) {
+    return moduli.stiffness_kpa / (3 * (1 - 2 * moduli.poisson_ratio));
+}
 
-/// A material law: plain numbers, to be copied into kernels. Input is always the displacement
-/// gradient H = F - I, because F - I loses near rest what single precision has.
+/// A material law: plain numbers, to be copied into kernels. `parameters_of(moduli)` are parameters
+/// with which it follows these at small strains, and as typical as that allows in all else. Input
+/// is always the displacement gradient H = F - I, because F - I loses near rest what single
+/// precision has.
 ///   state(H)                    what the functions below share; look at `is_valid` first
 ///   energy(state)               W, kPa; infinite where the state is not valid
 ///   stress(state)               first Piola stress P = dW/dF, kPa; zero where not valid
@@ -75,6 +85,7 @@ concept Material = requires(const Law law, const typename Law::State state,
     { Law::description() } -> std::same_as<MaterialDescription>;
     { Law::from_parameters(values) } -> std::same_as<Law>;
     { Law::small_strain(values) } -> std::same_as<SmallStrainModuli>;
+    { Law::parameters_of(SmallStrainModuli{}) } -> std::same_as<std::vector<double>>;
     { law.state(tensor) } -> std::same_as<typename Law::State>;
     { state.is_valid } -> std::convertible_to<bool>;
     { law.energy(state) } -> std::same_as<typename Law::Number>;

@@ -32,6 +32,9 @@ struct NeoHookeanLaw : FiniteStrainLaw<NeoHookeanLaw<Real>, Real> {
         return law;
     }
     static SmallStrainModuli small_strain(const double* values) { return {values[0], values[1]}; }
+    static std::vector<double> parameters_of(const SmallStrainModuli& moduli) {
+        return {moduli.stiffness_kpa, moduli.poisson_ratio};
+    }
 
     /// I1 - 3 - 2 ln J = 3 (2 t - ln(1 + 2 t)) - ln (I3 / (I1/3)^3), two parts of one sign.
     PALPATE_DEVICE static Real distortion_energy(const FiniteStrain<Real>& strain) {

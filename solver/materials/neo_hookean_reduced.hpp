@@ -28,6 +28,9 @@ struct NeoHookeanReducedLaw : FiniteStrainLaw<NeoHookeanReducedLaw<Real>, Real> 
     static SmallStrainModuli small_strain(const double* values) {
         return moduli_of_shear_and_bulk(2 * values[0], values[1]);
     }
+    static std::vector<double> parameters_of(const SmallStrainModuli& moduli) {
+        return {shear_modulus(moduli) / 2, bulk_modulus(moduli)};
+    }
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);

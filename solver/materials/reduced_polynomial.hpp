@@ -34,6 +34,11 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
     static SmallStrainModuli small_strain(const double* values) {
         return moduli_of_shear_and_bulk(2 * values[0], 2 / values[2]);
     }
+    /// C2 = C1, as among the typical values.
+    static std::vector<double> parameters_of(const SmallStrainModuli& moduli) {
+        const double c1 = shear_modulus(moduli) / 2;
+        return {c1, c1, 2 / bulk_modulus(moduli)};
+    }
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);

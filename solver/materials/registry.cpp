@@ -76,6 +76,29 @@ SmallStrainModuli small_strain_moduli(std::string_view name, std::span<const dou
     return moduli;
 }
 
+std::vector<double> parameters_of_moduli(std::string_view name, const SmallStrainModuli& moduli) {
+    std::vector<double> values;
+    [&]<class... Laws>(const std::tuple<Laws...>*) {
+        ((Laws::description().name == name ? void(values = Laws::parameters_of(moduli)) : void()),
+         ...);
+    }(static_cast<MaterialLaws<double>*>(nullptr));
+    check_parameters(material_law(name), values);
+    return values;
+}
+
+std::vector<double> parameters_of_stiffness(std::string_view name, std::span<const double> values,
+                                            double stiffness_kpa) {
+    const MaterialDescription& law = material_law(name);
+    const double factor = stiffness_kpa / small_strain_moduli(name, values).stiffness_kpa;
+    std::vector<double> scaled(values.begin(), values.end());
+    // Every energy is a sum of terms that are linear in a parameter in kPa, or in 1 / one in 1/kPa.
+    for (std::size_t k = 0; k < scaled.size(); ++k) {
+        if (law.parameters[k].unit == "kPa") scaled[k] *= factor;
+        if (law.parameters[k].unit == "1/kPa") scaled[k] /= factor;
+    }
+    return scaled;
+}
+
 std::vector<double> material_coefficients(std::string_view name, std::span<const double> values) {
     std::vector<double> coefficients;
     with_material_law<double>(name, values, [&](const auto& law) {

@@ -61,6 +61,15 @@ void with_material_law(std::string_view name, std::span<const double> values, Vi
 /// The Hooke's law that a law follows at small strains.
 SmallStrainModuli small_strain_moduli(std::string_view name, std::span<const double> values);
 
+/// Parameters with which a law follows these moduli at small strains; what they leave open is
+/// typical of soft tissue. Throws Error(invalid_argument) for moduli that the law cannot follow.
+std::vector<double> parameters_of_moduli(std::string_view name, const SmallStrainModuli& moduli);
+
+/// Of the material that differs in Young's modulus alone: energy, stress and tangent are multiplied
+/// by the ratio of the moduli.
+std::vector<double> parameters_of_stiffness(std::string_view name, std::span<const double> values,
+                                            double stiffness_kpa);
+
 /// The numbers of a law as kernels read them: its members in order, made in fp64.
 std::vector<double> material_coefficients(std::string_view name, std::span<const double> values);
 

@@ -20,6 +20,8 @@ PALPATE_DEVICE Real exponential_moment(Real y) {
 ///   W = mu/gamma (exp(gamma x) - 1) + kappa/2 (J - 1)^2.
 template <typename Real>
 struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
+    static constexpr double typical_gamma = 5;
+
     Real mu;
     Real gamma;
     Real kappa;
@@ -28,7 +30,8 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
         return {"veronda-westmann",
                 "Veronda-Westmann type: mu/gamma (exp(gamma (J1 - 3)) - 1) + kappa/2 (J - 1)^2.",
                 {{"mu_kpa", "kPa", above(0), "half the shear modulus at small strains", 1.5},
-                 {"gamma", "1", above(0), "how fast the tissue stiffens with distortion", 5},
+                 {"gamma", "1", above(0), "how fast the tissue stiffens with distortion",
+                  typical_gamma},
                  {"kappa_kpa", "kPa", above(0), "bulk modulus at small strains", 1000}}};
     }
     static VerondaWestmannLaw from_parameters(const double* values) {
@@ -40,6 +43,9 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
     }
     static SmallStrainModuli small_strain(const double* values) {
         return moduli_of_shear_and_bulk(2 * values[0], values[2]);
+    }
+    static std::vector<double> parameters_of(const SmallStrainModuli& moduli) {
+        return {shear_modulus(moduli) / 2, typical_gamma, bulk_modulus(moduli)};
     }
 
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "solver/materials/registry.hpp"
 #include "solver/model/refuse.hpp"
 
 namespace palpate {
@@ -11,7 +12,8 @@ namespace palpate {
 SolidModel solid_model_of(const Model& model, const std::string& law) {
     SolidModel solid{solid_mesh_of(model.mesh), {}, model.prescribed};
     for (const LinearElastic& material : model.materials)
-        solid.materials.push_back({law, {material.stiffness_kpa, material.poisson_ratio}});
+        solid.materials.push_back(
+            {law, parameters_of_moduli(law, {material.stiffness_kpa, material.poisson_ratio})});
     return solid;
 }
 

@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// The same body of linear tetrahedra; every material has `law`, of the registry with the
-/// parameters `stiffness_kpa` and `poisson_ratio` in this order.
+/// The same body of linear tetrahedra; every material has `law`, of the registry, with the same
+/// moduli at small strains.
 SolidModel solid_model_of(const Model& model, const std::string& law = "linear");
 
 /// Whether `Model` can say the same: linear tetrahedra of the law "linear" and nothing else.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -81,6 +83,44 @@ TEST(SmallStrainModuli, FollowFromShearAndBulkModulus) {
 
     EXPECT_DOUBLE_EQ(moduli.stiffness_kpa, 11.25);
     EXPECT_DOUBLE_EQ(moduli.poisson_ratio, 0.125);
+}
+
+TEST(ParametersOfModuli, FollowThemInEveryLaw) {
+    for (const MaterialDescription& law : material_laws()) {
+        const std::vector<double> values = parameters_of_moduli(law.name, {60, 0.45});
+        const SmallStrainModuli moduli = small_strain_moduli(law.name, values);
+
+        EXPECT_NEAR(moduli.stiffness_kpa, 60, 1e-9) << law.name;
+        EXPECT_NEAR(moduli.poisson_ratio, 0.45, 1e-12) << law.name;
+    }
+    EXPECT_THROW(parameters_of_moduli("neo-hookean", {60, -0.1}), Error);
+    EXPECT_THROW(parameters_of_moduli("rubber", {60, 0.4}), Error);
+}
+
+TEST(ParametersOfStiffness, MultiplyStressAndEnergyInEveryLaw) {
+    Tensor3<double> h{};
+    for (int i = 0; i < 9; ++i) h.m[i] = 0.02 * (i % 4) - 0.03 * (i % 3);
+    for (const MaterialDescription& law : material_laws()) {
+        std::vector<double> values;
+        for (const MaterialParameter& parameter : law.parameters)
+            values.push_back(parameter.typical > 0 ? parameter.typical : 0.4);
+        const double kpa = small_strain_moduli(law.name, values).stiffness_kpa;
+        const std::vector<double> stiffer = parameters_of_stiffness(law.name, values, 7 * kpa);
+
+        const auto energy_and_stress = [&](const std::vector<double>& parameters) {
+            std::array<double, 10> numbers{};
+            with_material_law<double>(law.name, parameters, [&](const auto& known) {
+                const auto state = known.state(h);
+                numbers[9] = known.energy(state);
+                for (int i = 0; i < 9; ++i) numbers[i] = known.stress(state).m[i];
+            });
+            return numbers;
+        };
+        const auto soft = energy_and_stress(values), stiff = energy_and_stress(stiffer);
+        EXPECT_GT(soft[9], 0) << law.name;
+        for (int i = 0; i < 10; ++i)
+            EXPECT_NEAR(stiff[i], 7 * soft[i], 1e-10 * std::abs(stiff[9])) << law.name << " " << i;
+    }
 }
 
 TEST(MaterialCoefficients, AreTheMembersInOrder) {
