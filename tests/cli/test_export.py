@@ -15,6 +15,8 @@ from tests.conftest import recover_arguments, run_palpate
 from tests.vtu import read_arrays
 
 LARGEST_DIFFERENCE = 0.005  # of the largest displacement
+LAWS = ("linear", "neo-hookean", "neo-hookean-reduced", "reduced-polynomial")
+OF_CALCULIX = ("linear", "neo-hookean-reduced", "reduced-polynomial")
 needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None,
                                     reason="ccx is not installed (Debian package calculix-ccx)")
 
@@ -23,10 +25,10 @@ needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None,
 def results(phantom, tmp_path_factory):
     """Result folders by law."""
     folder = tmp_path_factory.mktemp("export")
-    for law in ("linear", "neo-hookean"):
+    for law in LAWS:
         finished = run_palpate(*recover_arguments(phantom, folder / law, "--material", law))
         assert finished.returncode == 0, finished.stderr
-    return {law: folder / law for law in ("linear", "neo-hookean")}
+    return {law: folder / law for law in LAWS}
 
 
 def exported(result, out, *more):
@@ -48,13 +50,14 @@ def calculix(deck, num_nodes):
 
 
 @needs_calculix
+@pytest.mark.parametrize("law", OF_CALCULIX)
 @pytest.mark.parametrize("walls", ["displacement", "force"])
-def test_calculix_finds_our_displacement(results, tmp_path, walls):
-    deck = exported(results["linear"], tmp_path / "model.inp", "--walls", walls)
-    ours = read_arrays(results["linear"] / "mesh.vtu")["displacement"]
+def test_calculix_finds_our_displacement(results, tmp_path, walls, law):
+    deck = exported(results[law], tmp_path / "model.inp", "--walls", walls)
+    ours = read_arrays(results[law] / "mesh.vtu")["displacement"]
     theirs = calculix(deck, len(ours))
     difference = numpy.linalg.norm(ours - theirs, axis=1).max() / numpy.linalg.norm(ours, axis=1).max()
-    print(f"{walls}: {difference:.2e} of the largest displacement")
+    print(f"{law}, {walls}: {difference:.2e} of the largest displacement")
     assert difference < LARGEST_DIFFERENCE
 
 
@@ -165,6 +168,7 @@ def test_what_cannot_be_exported_is_refused_in_a_sentence(results, tmp_path):
             ([results["linear"], "--out", out], 10, "--overwrite"),
             ([results["linear"], "--out", tmp_path / "model.stl"], 2, ".feb"),
             ([results["neo-hookean"], "--out", tmp_path / "model.inp"], 2, "neo-hookean"),
+            ([results["neo-hookean-reduced"], "--out", tmp_path / "model.feb"], 2, "FEBio has no law"),
             ([tmp_path, "--out", tmp_path / "a.feb"], 3, "result.json"),
             ([tmp_path / "absent", "--out", tmp_path / "a.feb"], 3, "not a folder"),
             ([results["linear"], "--out", tmp_path / "no" / "a.feb"], 10, "folder")):

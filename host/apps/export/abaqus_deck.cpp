@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "host/apps/export/engineering_units.hpp"
+#include "host/apps/export/law_formats.hpp"
 #include "host/apps/export/text_out.hpp"
 #include "host/apps/export/write_model.hpp"
-#include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
@@ -38,9 +38,9 @@ void add_set(const char* name, const std::vector<Index>& nodes, Out& out) {
     }
 }
 
-void add_material(const ModelRegion& region, Out& out) {
-    add(out, "*MATERIAL, NAME=M_{0}\n*ELASTIC\n{1:.12g}, {2:.12g}\n", region.token,
-        mpa_from_kpa(region.stiffness_kpa), region.poisson_ratio);
+void add_material(const ModelRegion& region, const TissueLaw& law, Out& out) {
+    add(out, "*MATERIAL, NAME=M_{}\n{}", region.token,
+        calculix_material(law, {region.stiffness_kpa, region.poisson_ratio}));
     add(out, "*SOLID SECTION, ELSET=E_{0}, MATERIAL=M_{0}\n", region.token);
 }
 
@@ -64,20 +64,13 @@ void add_walls(const RecoveredModel& model, WallLoad load, Out& out) {
 }  // namespace
 
 std::string abaqus_deck(const RecoveredModel& model, WallLoad load) {
-    if (model.law != TissueLaw::linear) {
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("CalculiX and Abaqus have no law like {}, which this result was "
-                                "recovered with; export .feb, which has it, or recover with "
-                                "--material linear",
-                                name_of(model.law)));
-    }
     Out out;
     add(out, "*HEADING\nRecovered by palpate {}. Units: mm, MPa, N. Axes: LPS.\n", model.version);
     add_nodes_and_elements(model, out);
     add_set("FIXED", model.nodes_that_are(Held::fixed), out);
     add_set("DRIVEN", model.nodes_that_are(Held::driven), out);
-    for (const ModelRegion& region : model.regions) add_material(region, out);
-    add(out, "*STEP\n*STATIC\n");
+    for (const ModelRegion& region : model.regions) add_material(region, model.law, out);
+    add(out, "*STEP{}\n*STATIC\n", model.law.is_linear() ? "" : ", NLGEOM");
     add_walls(model, load, out);
     add(out, "*NODE FILE\nU, RF\n*NODE PRINT, NSET=ALL, FREQUENCY=1000\nU\n*END STEP\n");
     return fmt::to_string(out);

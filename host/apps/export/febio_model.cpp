@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/apps/export/engineering_units.hpp"
+#include "host/apps/export/law_formats.hpp"
 #include "host/apps/export/text_out.hpp"
 #include "host/apps/export/write_model.hpp"
 
@@ -33,7 +34,7 @@ void add_control(Out& out) {
 }
 
 void add_materials(const RecoveredModel& model, Out& out) {
-    const char* law = model.law == TissueLaw::linear ? "isotropic elastic" : "neo-Hookean";
+    const std::string law = febio_material_type(model.law);
     add(out, "  <Material>\n");
     int id = 0;
     for (const ModelRegion& region : model.regions) {

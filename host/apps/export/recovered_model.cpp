@@ -147,7 +147,7 @@ std::vector<Index> RecoveredModel::nodes_that_are(Held kind) const {
 
 std::string RecoveredModel::description_of(const ModelRegion& region) const {
     return fmt::format("label {}: Young's modulus {:.6g} kPa, Poisson's ratio {:.6g}, law {}",
-                       region.label, region.stiffness_kpa, region.poisson_ratio, name_of(law));
+                       region.label, region.stiffness_kpa, region.poisson_ratio, law.name);
 }
 
 RecoveredModel read_recovered_model(const fs::path& folder) {

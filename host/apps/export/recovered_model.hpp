@@ -25,7 +25,7 @@ struct ModelRegion {
 struct RecoveredModel {
     Mesh mesh;                         ///< mm LPS; `region` holds labels
     std::vector<ModelRegion> regions;  ///< those with tetrahedra
-    TissueLaw law = TissueLaw::linear;
+    TissueLaw law;
     std::vector<Held> held;          ///< [num_nodes]
     std::vector<Vec3> displacement;  ///< [num_nodes] mm
     std::vector<Vec3> force;         ///< [num_nodes] mN, zero at free nodes

@@ -17,12 +17,13 @@ enum class WallLoad {
 
 /// FEBio 4 (.feb): mm, MPa, N. The law "neo-hookean" is FEBio's "neo-Hookean" exactly; "linear"
 /// becomes its "isotropic elastic" (St. Venant-Kirchhoff), because FEBio has no analysis at small
-/// strains: the same at small strains only.
+/// strains: the same at small strains only. Throws Error(unsupported) for laws that FEBio has not.
 std::string febio_model(const RecoveredModel& model, WallLoad load);
 
 /// Abaqus's input language as CalculiX reads it (.inp): mm, MPa, N. "linear" is *ELASTIC at small
-/// strains exactly. Throws Error(unsupported) for "neo-hookean": the nearest laws of CalculiX part
-/// the energy otherwise, and were 3 % of the displacement off.
+/// strains exactly, others are *HYPERELASTIC where CalculiX has them (law_formats.cpp). Throws
+/// Error(unsupported) for the rest; the nearest to "neo-hookean" part the energy otherwise, and were
+/// 3 % of the displacement off.
 std::string abaqus_deck(const RecoveredModel& model, WallLoad load);
 
 /// Gmsh 4.1, ASCII (.msh): one physical volume per region, node data `displacement` (mm), `force`

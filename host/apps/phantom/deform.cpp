@@ -90,11 +90,11 @@ std::vector<Deformation> deform_linear(const WallProblem& problem, double load_f
     return deformations;
 }
 
-Deformation deform_finite(const WallProblem& problem, Eigen::Index load, TissueLaw law,
+Deformation deform_finite(const WallProblem& problem, Eigen::Index load, const TissueLaw& law,
                           double load_factor, const LinearSolverOptions& options,
                           const ProgressSink& progress) {
     constexpr double step = 0.95, least_scale = 0.05;
-    const SolidAssembly solid(solid_model_of(problem.model, name_of(law)),
+    const SolidAssembly solid(solid_model_of(problem.model, law.name),
                               {options.backend, options.device});
     EquilibriumOptions solve;
     solve.linear = matrix_solver_options(options);
@@ -165,7 +165,7 @@ WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearEl
 std::vector<Deformation> deform_by_walls(const RegionMesh& mesh,
                                          const std::vector<LinearElastic>& materials,
                                          const std::vector<std::vector<WallMotion>>& loads,
-                                         double load_factor, TissueLaw law,
+                                         double load_factor, const TissueLaw& law,
                                          const LinearSolverOptions& options,
                                          const ProgressSink& progress) {
     WallProblem problem = make_wall_problem(mesh, materials, loads.front());
@@ -173,7 +173,7 @@ std::vector<Deformation> deform_by_walls(const RegionMesh& mesh,
     for (std::size_t k = 1; k < loads.size(); ++k)
         problem.prescribed_mm.col(Eigen::Index(k)) =
             make_wall_problem(mesh, materials, loads[k]).prescribed_mm;
-    if (law == TissueLaw::linear) return deform_linear(problem, load_factor, options, progress);
+    if (law.is_linear()) return deform_linear(problem, load_factor, options, progress);
     std::vector<Deformation> deformations;
     for (Eigen::Index load = 0; load < problem.prescribed_mm.cols(); ++load)
         deformations.push_back(deform_finite(problem, load, law, load_factor, options, progress));

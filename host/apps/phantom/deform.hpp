@@ -42,7 +42,7 @@ struct Deformation {
 std::vector<Deformation> deform_by_walls(const RegionMesh& mesh,
                                          const std::vector<LinearElastic>& materials,
                                          const std::vector<std::vector<WallMotion>>& loads,
-                                         double load_factor, TissueLaw law,
+                                         double load_factor, const TissueLaw& law,
                                          const LinearSolverOptions& options,
                                          const ProgressSink& progress);
 

@@ -38,7 +38,7 @@ struct PelvisOptions {
     std::optional<std::array<double, 2>> zone_stiffness_kpa;
     double load_factor = 1;  ///< on all walls' motion, -1..1; 0: nothing moves, -1: the other way
     unsigned target = 1;     ///< 1..1000; each is drawn anew, the reference is drawn alike for all
-    TissueLaw law = TissueLaw::linear;  ///< of all tissue
+    TissueLaw law;           ///< of all tissue
 };
 
 /// What was asked of one wall, and the force that it took.

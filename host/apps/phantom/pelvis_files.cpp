@@ -68,7 +68,7 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"contours", to_text(options.contours)},
         {"load_family", name_of(truth.load_family)},
         {"anatomy", name_of(options.anatomy)},
-        {"material", name_of(options.law)},
+        {"material", options.law.name},
         {"regions", regions_to_json(phantom, options)},
         {"mesh",
          {{"nodes", phantom.mesh.mesh.num_nodes()},

@@ -39,8 +39,7 @@ std::vector<Option> body_options() {
             .excludes({"stiffness_kpa"}),
         Option::number("poisson_ratio", "", {0, 0.49}, "Of the prostate")
             .usually(usual.poisson_ratio),
-        Option::choice("material", {"linear", "neo-hookean"},
-                       "Law of all tissue: linear (small strains), neo-hookean (large deformation)")
+        Option::choice("material", tissue_law_names(), "Law of all tissue: " + tissue_laws_text())
             .usually(std::string("linear")),
         Option::number("tumour_fraction", "", {0, 0.95},
                        "Part of the prostate's volume that is tumour; it has no label")

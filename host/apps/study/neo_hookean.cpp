@@ -62,8 +62,8 @@ Outcome recover_neo_hookean(const NeoHookeanTruth& truth, const StudyOptions& op
     search.solver = solver;
     Outcome outcome;
     outcome.found = search_finite_strain(
-        rest, TissueLaw::neo_hookean, exact_observations(rest.recovery, phantom, linear_noise_mm),
-        search, progress);
+        rest, {"neo-hookean"}, exact_observations(rest.recovery, phantom, linear_noise_mm), search,
+        progress);
     outcome.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return outcome;
@@ -196,7 +196,7 @@ Study make_neo_hookean_study(const StudyOptions& options) {
             for (const double kpa : {50, 100, 150, 200}) {
                 NeoHookeanTruth truth{
                     pelvis_options(options, options.first_seed + unsigned(scene), kpa), is_doubled};
-                truth.options.law = TissueLaw::neo_hookean;
+                truth.options.law = {"neo-hookean"};
                 truth.options.num_nodes = options.mesher.num_nodes;
                 if (is_doubled) truth.options.background_stiffness_kpa = 2 * assumed_kpa;
                 const std::string id = fmt::format(

@@ -151,7 +151,7 @@ typedef struct palpate_recover_options {
     const char* mesh_program;  /* path of palpate-mesh; null: where it is looked for */
     const char* mesh;     /* path of a ready mesh (.vtu) of the reference; null: it is meshed */
     int32_t num_nodes;    /* of the mesh; 0: as the command line */
-    const char* material; /* "linear", "neo-hookean"; null: "linear" */
+    const char* material; /* a law of docs/simulate.md; null: "linear" */
     const palpate_solver_options* solver; /* its progress is not used; null: the defaults */
     palpate_progress progress;
     void* progress_user;
@@ -254,7 +254,7 @@ typedef struct palpate_phantom_options {
     double spacing[3];                    /* mm, of the label volumes */
     int32_t num_nodes;                    /* of the mesh that the truth is solved on */
     const char* mesh_program;             /* path of palpate-mesh; null: where it is looked for */
-    const char* material;                 /* "linear", "neo-hookean"; null: "linear" */
+    const char* material;                 /* a law of docs/simulate.md; null: "linear" */
     const palpate_solver_options* solver; /* its progress is not used; null: the defaults */
     palpate_progress progress;
     void* progress_user;

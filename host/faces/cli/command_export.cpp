@@ -56,8 +56,7 @@ int export_model(const ExportArguments& arguments) {
     const RecoveredModel model = read_recovered_model(arguments.result);
     write_model(model, arguments.walls.value_or(WallLoad::displacement), arguments.out);
     fmt::print("{}: {} nodes, {} tetrahedra, {} regions, law {}\n", arguments.out,
-               model.mesh.num_nodes(), model.mesh.num_tets(), model.regions.size(),
-               name_of(model.law));
+               model.mesh.num_nodes(), model.mesh.num_tets(), model.regions.size(), model.law.name);
     return 0;
 }
 

@@ -37,7 +37,7 @@ TEST_F(RecoveredModelFolder, GivesBackWhatWasWritten) {
 
     const RecoveredModel model = read_recovered_model(folder);
 
-    EXPECT_EQ(model.law, TissueLaw::neo_hookean);
+    EXPECT_EQ(model.law, TissueLaw{"neo-hookean"});
     ASSERT_EQ(model.regions.size(), 2u);  // hollow organs have no tetrahedra
     EXPECT_EQ(model.regions[1].token, "region_7_of_nine_more");
     EXPECT_EQ(model.regions[1].stiffness_kpa, 60);

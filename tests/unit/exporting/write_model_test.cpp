@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 using testing::two_tet_model;
-using WriteModel = TemporaryFolderTest;
+using WriteModelFile = TemporaryFolderTest;
 
 bool holds(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
@@ -20,7 +20,7 @@ bool holds(const std::string& text, const std::string& part) {
 TEST(FebioModel, HasMegapascalsAndItsOwnWordForEachLaw) {
     RecoveredModel model = two_tet_model();
     const std::string linear = febio_model(model, WallLoad::displacement);
-    model.law = TissueLaw::neo_hookean;
+    model.law = TissueLaw{"neo-hookean"};
     const std::string finite = febio_model(model, WallLoad::displacement);
 
     EXPECT_TRUE(holds(linear, "name=\"prostate_peripheral_zone\" type=\"isotropic elastic\""));
@@ -51,11 +51,23 @@ TEST(AbaqusDeck, HoldsMaterialsWallsAndSets) {
     EXPECT_TRUE(holds(abaqus_deck(two_tet_model(), WallLoad::force), "*CLOAD\n5, 1, 1.5\n"));
 }
 
-TEST(AbaqusDeck, RefusesALawThatItCannotSay) {
+TEST(AbaqusDeck, SaysLargeDeformation) {
     RecoveredModel model = two_tet_model();
-    model.law = TissueLaw::neo_hookean;
+    model.law = TissueLaw{"neo-hookean-reduced"};
+    const std::string deck = abaqus_deck(model, WallLoad::displacement);
 
+    // 10 kPa and 0.35: C10 = E / (4 (1 + nu)), D1 = 6 (1 - 2 nu) / E
+    EXPECT_TRUE(holds(deck, "*HYPERELASTIC, NEO HOOKE\n0.00185185185185, 180\n"));
+    EXPECT_TRUE(holds(deck, "*STEP, NLGEOM\n"));
+    EXPECT_FALSE(holds(deck, "*ELASTIC"));
+}
+
+TEST(WriteModel, RefusesALawThatAProgramHasNot) {
+    RecoveredModel model = two_tet_model();
+    model.law = TissueLaw{"neo-hookean"};
     EXPECT_THROW(abaqus_deck(model, WallLoad::displacement), Error);
+    model.law = TissueLaw{"neo-hookean-reduced"};
+    EXPECT_THROW(febio_model(model, WallLoad::displacement), Error);
 }
 
 TEST(GmshMesh, HasOneEntityPerRegion) {
@@ -65,7 +77,7 @@ TEST(GmshMesh, HasOneEntityPerRegion) {
     EXPECT_TRUE(holds(mesh, "3 2 \"prostate_peripheral_zone\"\n"));
 }
 
-TEST_F(WriteModel, AsVtuHasTheRatiosBesideTheModuli) {
+TEST_F(WriteModelFile, AsVtuHasTheRatiosBesideTheModuli) {
     write_model(two_tet_model(), WallLoad::displacement, folder / "model.vtu");
 
     MeshArrays arrays;
@@ -77,7 +89,7 @@ TEST_F(WriteModel, AsVtuHasTheRatiosBesideTheModuli) {
     EXPECT_EQ(names_in(folder), "model.vtu");
 }
 
-TEST_F(WriteModel, RefusesOtherEndings) {
+TEST_F(WriteModelFile, RefusesOtherEndings) {
     EXPECT_THROW(write_model(two_tet_model(), WallLoad::force, folder / "model.stl"), Error);
     EXPECT_EQ(names_in(folder), "");
 }

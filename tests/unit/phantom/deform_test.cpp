@@ -90,7 +90,7 @@ TEST_F(DeformedPelvis, MovesWallsAsPrescribedHoldsBonesAndCrushesNoElement) {
     options.backend = "reference";
 
     const Deformation result =
-        deform_by_walls(block, materials, {motions}, 1, TissueLaw::linear, options, {}).at(0);
+        deform_by_walls(block, materials, {motions}, 1, TissueLaw{}, options, {}).at(0);
 
     double smallest = std::numeric_limits<double>::max();
     for (const Tet& t : block.mesh.tets) {
@@ -125,7 +125,7 @@ TEST_F(DeformedPelvis, BalancesForcesBetweenWallsBonesAndBox) {
     LinearSolverOptions options;
     options.backend = "reference";
     const Deformation result = deform_by_walls(block, materials, {make_wall_motions(anatomy, 1)}, 1,
-                                               TissueLaw::linear, options, {})
+                                               TissueLaw{}, options, {})
                                    .at(0);
 
     const auto forces = nodal_forces(block.mesh, materials, result.displacement);
@@ -153,12 +153,12 @@ TEST_F(DeformedPelvis, MovesUnderEachLoadAsUnderItAlone) {
     const std::vector<std::vector<WallMotion>> loads{make_wall_motions(anatomy, 1),
                                                      make_wall_motions(anatomy, 2)};
 
-    const auto both = deform_by_walls(block, materials, loads, 1, TissueLaw::linear, options, {});
+    const auto both = deform_by_walls(block, materials, loads, 1, TissueLaw{}, options, {});
 
     ASSERT_EQ(both.size(), 2u);
     for (std::size_t k = 0; k < loads.size(); ++k) {
         const Deformation alone =
-            deform_by_walls(block, materials, {loads[k]}, 1, TissueLaw::linear, options, {}).at(0);
+            deform_by_walls(block, materials, {loads[k]}, 1, TissueLaw{}, options, {}).at(0);
         EXPECT_EQ(alone.load_scale, both[k].load_scale);
         for (std::size_t n = 0; n < alone.displacement.size(); ++n)
             EXPECT_LT((alone.displacement[n] - both[k].displacement[n]).norm(), 1e-6);

@@ -68,7 +68,7 @@ double ratio_of(const Material& material, const PriorSettings& prior) {
 }
 
 SolidMaterial material_of(double stiffness_kpa, double poisson_ratio) {
-    return {name_of(TissueLaw::linear), {stiffness_kpa, poisson_ratio}};
+    return {TissueLaw{}.name, {stiffness_kpa, poisson_ratio}};
 }
 
 std::vector<SolidMaterial> materials_of(const Settings& settings) {

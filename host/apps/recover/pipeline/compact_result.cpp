@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '1', '\n'};
+constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '2', '\n'};
 constexpr FileMark body_mark{'P', 'A', 'L', 'B', 'D', 'Y', '1', '\n'};
 
 [[noreturn]] void refuse_bytes(const std::string& why) {
@@ -88,7 +88,7 @@ void visit_computation(Stream& stream, Result& result) {
 template <typename Stream, typename Result>
 void visit_facts(Stream& stream, Result& result) {
     stream(result.settings_toml, result.reference_name, result.target_name, result.version,
-           result.law, result.seed_note);
+           result.law.name, result.seed_note);
     visit_regions(stream, result.regions);
     visit_search(stream, result);
     visit_computation(stream, result);

@@ -59,15 +59,16 @@ RegionDeformation region_deformation(const Law& law, const Points& points, Index
 
 }  // namespace
 
-std::vector<RegionDeformation> region_deformations(const SolidModel& model, TissueLaw law,
+std::vector<RegionDeformation> region_deformations(const SolidModel& model, const TissueLaw& law,
                                                    const Eigen::VectorXd& displacement) {
     const Points points{model.mesh};
     std::vector<RegionDeformation> results(model.materials.size());
-    for (std::size_t r = 0; r < results.size(); ++r)
-        with_material_law<double>(
-            name_of(law), model.materials[r].parameters, [&](const auto& known) {
-                results[r] = region_deformation(known, points, static_cast<Index>(r), displacement);
-            });
+    for (std::size_t r = 0; r < results.size(); ++r) {
+        const SolidMaterial material = with_law(model.materials[r], law);
+        with_material_law<double>(material.law, material.parameters, [&](const auto& known) {
+            results[r] = region_deformation(known, points, static_cast<Index>(r), displacement);
+        });
+    }
     return results;
 }
 

@@ -20,7 +20,7 @@ struct RegionDeformation {
 /// By region of `model`, whose materials give moduli and ratios and `law` the law. `displacement`:
 /// [3 num_nodes] mm. At small strains the energy is that of the linear strain, half the work of the
 /// forces on the body.
-std::vector<RegionDeformation> region_deformations(const SolidModel& model, TissueLaw law,
+std::vector<RegionDeformation> region_deformations(const SolidModel& model, const TissueLaw& law,
                                                    const Eigen::VectorXd& displacement);
 
 }  // namespace palpate

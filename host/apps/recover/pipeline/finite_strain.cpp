@@ -45,7 +45,7 @@ double root_mean_square(const Eigen::VectorXd& values) {
 
 class Rounds {
 public:
-    Rounds(const Mechanics& rest, TissueLaw law, const SurfaceObservations& observations,
+    Rounds(const Mechanics& rest, const TissueLaw& law, const SurfaceObservations& observations,
            const FiniteStrainOptions& options, const ProgressSink& progress)
         : rest_(rest),
           law_(law),
@@ -260,7 +260,7 @@ void Rounds::require_equilibrium() const {
     throw Error(ErrorCode::solve_failed,
                 fmt::format("the {} body has no equilibrium with the walls where the search puts "
                             "them ({}); try --material linear, or another number of --nodes",
-                            name_of(law_), found_.state.message));
+                            law_.name, found_.state.message));
 }
 
 FiniteStrainEstimate Rounds::run() {
@@ -294,14 +294,14 @@ void Rounds::report_round() const {
         fmt::format("round {}:{} {:.2g} mm from equilibrium", found_.rounds, text, found_.gap_mm));
 }
 
-[[noreturn]] void refuse(const std::string& option, TissueLaw law, const std::string& why) {
+[[noreturn]] void refuse(const std::string& option, const TissueLaw& law, const std::string& why) {
     throw Error(ErrorCode::invalid_argument,
-                option + " does not go with --material " + name_of(law) + ": " + why);
+                option + " does not go with --material " + law.name + ": " + why);
 }
 
 }  // namespace
 
-FiniteStrainEstimate search_finite_strain(const Mechanics& rest, TissueLaw law,
+FiniteStrainEstimate search_finite_strain(const Mechanics& rest, const TissueLaw& law,
                                           const SurfaceObservations& observations,
                                           const FiniteStrainOptions& options,
                                           const ProgressSink& progress) {
@@ -309,7 +309,7 @@ FiniteStrainEstimate search_finite_strain(const Mechanics& rest, TissueLaw law,
 }
 
 void check_tissue_law(const RecoverOptions& options) {
-    if (options.law == TissueLaw::linear) return;
+    if (options.law.is_linear()) return;
     if (options.method == SearchMethod::nested_lbfgs)
         refuse("--method nested-lbfgs", options.law,
                "the published method is linear here; use --method map");

@@ -46,7 +46,7 @@ struct FiniteStrainEstimate {
 /// (`condense_at`), and the most probable moduli and motion of these, until neither changes. Where
 /// an equilibrium cannot be reached at once, the round starts from the nearest one that can.
 /// Throws Error(solve_failed) if none is reached in the end.
-FiniteStrainEstimate search_finite_strain(const Mechanics& rest, TissueLaw law,
+FiniteStrainEstimate search_finite_strain(const Mechanics& rest, const TissueLaw& law,
                                           const SurfaceObservations& observations,
                                           const FiniteStrainOptions& options,
                                           const ProgressSink& progress = {});

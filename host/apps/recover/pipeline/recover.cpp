@@ -159,7 +159,7 @@ double seconds_after(const StageTimer& shared, const RecoveryResult& result) {
 
 /// Whether what targets leave can be put together: mechanics that are the same for all.
 bool can_join(const RecoverOptions& options, const Mechanics& mechanics) {
-    return options.method == SearchMethod::map && options.law == TissueLaw::linear &&
+    return options.method == SearchMethod::map && options.law.is_linear() &&
            mechanics.recovery.unknown_ratio.empty();
 }
 

@@ -37,7 +37,7 @@ struct RecoverOptions {
     LinearSolverOptions solver;
     MechanicsOptions mechanics;
     SearchMethod method = SearchMethod::map;
-    TissueLaw law = TissueLaw::linear;
+    TissueLaw law;
     MapOptions search;
     NestedOptions nested;                ///< for `nested_lbfgs`
     std::vector<Landmark> landmarks;     ///< measured at the end, not used by the search

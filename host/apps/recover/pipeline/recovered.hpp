@@ -28,7 +28,7 @@ struct Recovered {
     std::optional<PoissonEstimate> poisson;  ///< if a ratio was unknown
     /// At large deformation; its `estimate` has moved to the one above.
     std::optional<FiniteStrainEstimate> finite;
-    TissueLaw law = TissueLaw::linear;
+    TissueLaw law;
     // Filled by `solve_full_model` or `take_equilibrium`:
     Eigen::VectorXd displacement;    ///< [3 num_nodes] mm
     Eigen::VectorXd force;           ///< [3 num_nodes] mN, reactions at prescribed nodes

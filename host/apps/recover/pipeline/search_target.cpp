@@ -121,7 +121,7 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
         found.poisson = search_poisson_ratios(mechanics, observations, options, progress);
         found.estimate = std::move(found.poisson->estimate);
         found.recovery = found.poisson->mechanics->recovery;
-    } else if (options.law != TissueLaw::linear) {
+    } else if (!options.law.is_linear()) {
         found.law = options.law;
         found.finite = search_finite_strain(mechanics, options.law, observations,
                                             finite_strain_options(options), progress);

@@ -175,9 +175,10 @@ std::string contours_sentence(const RecoveryResult& result) {
 }
 
 std::string law_sentence(const RecoveryResult& result) {
-    return result.law == TissueLaw::neo_hookean
-               ? "All tissue was taken to be neo-Hookean, at large deformation."
-               : "All tissue was taken to be linearly elastic.";
+    return result.law.is_linear()
+               ? "All tissue was taken to be linearly elastic."
+               : fmt::format("All tissue was taken to be {}, at large deformation.",
+                             result.law.name);
 }
 
 std::string linear_solvers_text(const RecoveryResult& result) {

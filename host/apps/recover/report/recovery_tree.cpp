@@ -282,7 +282,7 @@ ResultTree recovery_tree(const RecoveryResult& result, bool include_file_names,
     tree.add(device_part(result.device));
     tree.add(linear_solvers_part(result));
     add_loops("element_loops", result.element_loops, tree);
-    tree.add("material", name_of(result.law));
+    tree.add("material", result.law.name);
     tree.add(settings_tree(result.settings));
     if (!result.seed_note.empty()) tree.add("seed_note", result.seed_note);
     tree.add("warnings", result.warnings);

@@ -110,7 +110,7 @@ struct RecoveryResult {
     std::string settings_toml;
     std::string reference_name, target_name;  ///< file names only, no folders
     std::string version;
-    TissueLaw law = TissueLaw::linear;  ///< of all tissue
+    TissueLaw law;  ///< of all tissue
     std::string seed_note;
     SolidMesh mesh;                  ///< LPS mm, tet4 or tet10
     std::vector<Vec3> displacement;  ///< [num_nodes] mm, reference to aligned target

@@ -120,9 +120,9 @@ std::vector<Option> search_options() {
                        "Search: map (with intervals), nested-lbfgs (the published baseline: slow, "
                        "no intervals)")
             .usually(std::string("map")),
-        Option::choice("material", {"linear", "neo-hookean"},
-                       "Law of all tissue: linear (small strains), neo-hookean (large deformation; "
-                       "about three times the time)")
+        Option::choice("material", tissue_law_names(),
+                       "Law of all tissue: " + tissue_laws_text() +
+                           "; large deformation takes about three times the time")
             .usually(std::string("linear")),
         Option::number("search_time", "s", {0, 1e7},
                        "Time after which nested-lbfgs stops with its best point; 0: no limit")

@@ -151,7 +151,7 @@ def recover(reference: Union[LabelVolume, Path], target: Union[LabelVolume, Path
     reference, target  label volumes: two `LabelVolume`, or two paths of files
     settings           TOML text, or the path of such a file: organs and their roles
     align              "auto", "fixed", "centroid" or "none"
-    material           "linear" or "neo-hookean"
+    material           "linear", "neo-hookean" or another law of docs/simulate.md
     num_nodes          of the mesh; 0: the default
     mesh               path of a ready mesh (.vtu) of the reference
     progress           called with (stage, fraction, message); False cancels
