@@ -14,6 +14,7 @@
 #include "solver/materials/neo_hookean_reduced.hpp"
 #include "solver/materials/reduced_polynomial.hpp"
 #include "solver/materials/veronda_westmann.hpp"
+#include "solver/materials/yeoh.hpp"
 
 namespace palpate {
 
@@ -23,7 +24,8 @@ using MaterialLaws = std::tuple<LinearLaw<Real>,             //
                                 NeoHookeanLaw<Real>,         //
                                 NeoHookeanReducedLaw<Real>,  //
                                 VerondaWestmannLaw<Real>,    //
-                                ReducedPolynomialLaw<Real>>;
+                                ReducedPolynomialLaw<Real>,  //
+                                YeohLaw<Real>>;
 
 /// The one table of laws and parameters that settings, messages, help and reports read.
 const std::vector<MaterialDescription>& material_laws();

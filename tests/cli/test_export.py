@@ -15,8 +15,8 @@ from tests.conftest import recover_arguments, run_palpate
 from tests.vtu import read_arrays
 
 LARGEST_DIFFERENCE = 0.005  # of the largest displacement
-LAWS = ("linear", "neo-hookean", "neo-hookean-reduced", "reduced-polynomial")
-OF_CALCULIX = ("linear", "neo-hookean-reduced", "reduced-polynomial")
+LAWS = ("linear", "neo-hookean", "neo-hookean-reduced", "reduced-polynomial", "yeoh")
+OF_CALCULIX = ("linear", "neo-hookean-reduced", "reduced-polynomial", "yeoh")
 needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None,
                                     reason="ccx is not installed (Debian package calculix-ccx)")
 

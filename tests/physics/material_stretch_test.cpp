@@ -109,9 +109,17 @@ ClosedForm reduced_polynomial() {
         [=](double x) { return c1 + 2 * c2 * x; });
 }
 
+ClosedForm yeoh() {
+    const double c1 = 4, c2 = 7, c3 = 9;
+    return reduced(
+        "yeoh", {c1, c2, c3, 40}, 40,
+        [=](double x) { return c1 * x + c2 * x * x + c3 * x * x * x; },
+        [=](double x) { return c1 + 2 * c2 * x + 3 * c3 * x * x; });
+}
+
 std::vector<ClosedForm> closed_forms() {
-    return {linear(), neo_hookean(), neo_hookean_reduced(), veronda_westmann(),
-            reduced_polynomial()};
+    return {linear(),           neo_hookean(),        neo_hookean_reduced(),
+            veronda_westmann(), reduced_polynomial(), yeoh()};
 }
 
 /// The stretch of the free axes for which they carry no stress.

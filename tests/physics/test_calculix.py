@@ -19,7 +19,9 @@ from tests.vtu import read_arrays
 # By name: the settings of ours; what follows *HYPERELASTIC.
 LAWS = {"neo-hookean-reduced": ("mu_kpa = 3.0\nkappa_kpa = 40.0", "NEO HOOKE\n3., .05"),
         "reduced-polynomial": ("c1_kpa = 3.0\nc2_kpa = 5.0\nd1_per_kpa = 0.05",
-                               "REDUCED POLYNOMIAL, N=2\n3., 5., .05, 1e12")}
+                               "REDUCED POLYNOMIAL, N=2\n3., 5., .05, 1e12"),
+        "yeoh": ("c1_kpa = 3.0\nc2_kpa = 5.0\nc3_kpa = 8.0\nkappa_kpa = 40.0",
+                 "YEOH\n3., 5., 8., .05, 1e12, 1e12")}
 HEIGHT_MM = 12.0
 LARGEST_DIFFERENCE = 1e-5  # of the largest; 0.005 is promised, 4e-7 was measured (its output has 6 digits)
 

@@ -33,6 +33,12 @@ std::string reduced_polynomial(const Values& p) {
     return fmt::format("*HYPERELASTIC, REDUCED POLYNOMIAL, N=2\n{:.12g}, {:.12g}, {:.12g}, 1e12\n",
                        mpa_from_kpa(p[0]), mpa_from_kpa(p[1]), per_mpa(p[2]));
 }
+/// W = C10 (J1 - 3) + C20 (J1 - 3)^2 + C30 (J1 - 3)^3 + (J - 1)^2 / D1
+std::string yeoh(const Values& p) {
+    return fmt::format("*HYPERELASTIC, YEOH\n{:.12g}, {:.12g}, {:.12g}, {:.12g}, 1e12, 1e12\n",
+                       mpa_from_kpa(p[0]), mpa_from_kpa(p[1]), mpa_from_kpa(p[2]),
+                       per_mpa(2 / p[3]));
+}
 
 /// One line a law; what a program has no exact word for is null.
 struct LawFormat {
@@ -45,6 +51,7 @@ constexpr std::array formats{
     LawFormat{"neo-hookean", "neo-Hookean", nullptr},
     LawFormat{"neo-hookean-reduced", nullptr, neo_hooke},
     LawFormat{"reduced-polynomial", nullptr, reduced_polynomial},
+    LawFormat{"yeoh", nullptr, yeoh},
 };
 
 template <typename Word>
@@ -68,8 +75,8 @@ std::string febio_material_type(const TissueLaw& law) {
 }
 
 std::string calculix_material(const TissueLaw& law, const SmallStrainModuli& moduli) {
-    return word_of(law, &LawFormat::calculix, "CalculiX and Abaqus have")(
-        parameters_of_moduli(law.name, moduli));
+    return word_of(law, &LawFormat::calculix,
+                   "CalculiX and Abaqus have")(parameters_of_moduli(law.name, moduli));
 }
 
 }  // namespace palpate
