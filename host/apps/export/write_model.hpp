@@ -22,8 +22,8 @@ std::string febio_model(const RecoveredModel& model, WallLoad load);
 
 /// Abaqus's input language as CalculiX reads it (.inp): mm, MPa, N. "linear" is *ELASTIC at small
 /// strains exactly, others are *HYPERELASTIC where CalculiX has them (law_formats.cpp). Throws
-/// Error(unsupported) for the rest; the nearest to "neo-hookean" part the energy otherwise, and were
-/// 3 % of the displacement off.
+/// Error(unsupported) for the rest; the nearest to "neo-hookean" part the energy otherwise, and
+/// were 3 % of the displacement off.
 std::string abaqus_deck(const RecoveredModel& model, WallLoad load);
 
 /// Gmsh 4.1, ASCII (.msh): one physical volume per region, node data `displacement` (mm), `force`

@@ -114,6 +114,19 @@ TEST(RecoveryTree, ASearchedPoissonRatioHasIntervalAndVerdict) {
               std::string::npos);
 }
 
+TEST(RecoveryTree, TellsShearModuliOfWhatIsKnown) {
+    RecoveryResult result = synthetic_result();
+    result.regions[2].verdict = Verdict::not_identifiable;
+    const nlohmann::json regions = parsed(result)["regions"];
+
+    const double nu = result.regions[1].poisson_ratio;
+    EXPECT_NEAR(regions[1]["shear_modulus_kpa"].get<double>(), 83.24 / (2 * (1 + nu)), 1e-12);
+    EXPECT_NEAR(regions[1]["shear_modulus_interval_kpa"][0].get<double>(), 61.4 / (2 * (1 + nu)),
+                1e-12);
+    EXPECT_TRUE(regions[2]["shear_modulus_kpa"].is_null());
+    EXPECT_TRUE(regions[3]["shear_modulus_kpa"].is_null());  // hollow
+}
+
 TEST(RecoveryTree, HollowRegionsHaveNoStiffness) {
     const nlohmann::json bladder = parsed(synthetic_result())["regions"][3];
 

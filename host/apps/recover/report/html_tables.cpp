@@ -171,8 +171,8 @@ std::string notices_html(const RecoveryResult& result) {
 
 std::string regions_table_html(const RecoveryResult& result) {
     const ResultTree regions = regions_tree(result.regions);
-    TreeTable table =
-        table_of(regions, {"name", "label", "role", "poisson_ratio", "stiffness_kpa"});
+    TreeTable table = table_of(
+        regions, {"name", "label", "role", "poisson_ratio", "stiffness_kpa", "shear_modulus_kpa"});
     for (std::size_t k = 0; k < table.lines.size(); ++k)
         if (const Figure* searched = find_figure(*table.parts[k], "searched_poisson_ratio");
             searched->is_estimate())

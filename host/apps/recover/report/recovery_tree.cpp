@@ -14,11 +14,13 @@
 #include "host/io/displacement_steps.hpp"
 #include "host/page/solver_figures.hpp"
 #include "host/page/tree_values.hpp"
+#include "solver/materials/material.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr auto list_of_parts = ResultTree::Shape::list;
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 Figure ratio_figure(const RegionResult& r) {
     Figure figure{.name = "searched_poisson_ratio", .title = "Poisson's ratio", .decimals = 2};
@@ -30,8 +32,22 @@ Figure ratio_figure(const RegionResult& r) {
     return figure;
 }
 
+/// G = E / (2 (1 + nu)), which elastography measures; none where the images tell nothing of E.
+Figure shear_figure(const RegionResult& r) {
+    const bool is_known = !r.hollow && r.verdict != Verdict::not_identifiable;
+    const auto shear = [&](double stiffness_kpa) {
+        return is_known ? shear_modulus({stiffness_kpa, r.poisson_ratio}) : none;
+    };
+    return {.name = "shear_modulus_kpa",
+            .value = shear(r.stiffness_kpa),
+            .unit = "kPa",
+            .title = "Shear modulus",
+            .meaning = "what elastography measures",
+            .interval_95 = std::array{shear(r.interval_kpa[0]), shear(r.interval_kpa[1])},
+            .interval_name = "shear_modulus_interval_kpa"};
+}
+
 ResultTree region_part(const RegionResult& r) {
-    constexpr double none = std::numeric_limits<double>::quiet_NaN();
     const auto of_solid = [&](double value) { return r.hollow ? none : value; };
     const auto& [low, high] = r.interval_kpa;
     ResultTree part{.name = r.name};
@@ -56,6 +72,7 @@ ResultTree region_part(const RegionResult& r) {
     part.add("lower_end_from", of_end(0));
     part.add("upper_end_from", of_end(1));
     part.add("sd_ln_stiffness", of_solid(r.sd_ln));
+    part.add(shear_figure(r));
     part.add(Figure{.name = "poisson_ratio",
                     .value = of_solid(r.poisson_ratio),
                     .title = "Poisson's ratio",
