@@ -247,7 +247,7 @@ void Rounds::close(bool is_done) {
             ? fmt::format("{} rounds of linearisation, then {}", found_.rounds, termination.reason)
             : fmt::format(
                   "{} rounds of linearisation were not enough: the last one still "
-                  "moved the observed surfaces by {:.2g} mm",
+                  "moved the observed surfaces by {:.2g} mm (--max-rounds allows more)",
                   found_.rounds, found_.gap_mm);
     termination.converged = is_done && termination.converged;
     found_.solver = condensation_.solver;

@@ -38,6 +38,7 @@ struct RecoverOptions {
     MechanicsOptions mechanics;
     SearchMethod method = SearchMethod::map;
     TissueLaw law;
+    int max_rounds = 12;  ///< linearisations at large deformation at most
     MapOptions search;
     NestedOptions nested;                ///< for `nested_lbfgs`
     std::vector<Landmark> landmarks;     ///< measured at the end, not used by the search

@@ -76,6 +76,7 @@ void move_frame(const RigidTransform& motion, Recovered& found) {
 
 FiniteStrainOptions finite_strain_options(const RecoverOptions& options) {
     FiniteStrainOptions finite;
+    finite.max_rounds = options.max_rounds;
     finite.response = options.mechanics.response;
     finite.search = options.search;
     finite.solver = options.solver;

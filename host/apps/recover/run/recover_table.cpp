@@ -38,11 +38,24 @@ std::vector<Option> state_options() {
 
 /// What a plan makes no use of.
 const std::vector<std::string>& not_of_a_plan() {
-    static const std::vector<std::string> names = {
-        "out",          "overwrite",         "initial_transform", "method",       "material",
-        "search_time",  "start_kpa",         "max_iterations",    "landmarks",    "landmarks_ras",
-        "fields",       "keep_file_names",   "save_reduced",      "load_reduced", "reference_image",
-        "target_image", "repeated_reference"};
+    static const std::vector<std::string> names = {"out",
+                                                   "overwrite",
+                                                   "initial_transform",
+                                                   "method",
+                                                   "material",
+                                                   "search_time",
+                                                   "start_kpa",
+                                                   "max_iterations",
+                                                   "landmarks",
+                                                   "landmarks_ras",
+                                                   "fields",
+                                                   "keep_file_names",
+                                                   "save_reduced",
+                                                   "load_reduced",
+                                                   "reference_image",
+                                                   "target_image",
+                                                   "repeated_reference",
+                                                   "max_rounds"};
     return names;
 }
 
@@ -131,6 +144,8 @@ std::vector<Option> search_options() {
                        "Stiffness at which the search starts; default: the prior's median"),
         Option::integer("max_iterations", 1, 1000, "Of the search")
             .usually(std::int64_t{MapOptions{}.max_iterations}),
+        Option::integer("max_rounds", 1, 100, "Linearisations at large deformation")
+            .usually(std::int64_t{RecoverOptions{}.max_rounds}),
     };
 }
 
@@ -172,6 +187,7 @@ RecoverOptions recover_options_of(const OptionValues& values, Settings settings)
     options.method =
         values.text("method") == "map" ? SearchMethod::map : SearchMethod::nested_lbfgs;
     options.law = tissue_law_of(values.text("material"));
+    options.max_rounds = values.integer("max_rounds");
     options.nested.max_outer_iterations = options.search.max_iterations;
     options.nested.time_limit_s = values.number("search_time");
     options.nested.direct_library = options.solver.direct_library;
