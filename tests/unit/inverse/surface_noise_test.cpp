@@ -161,10 +161,28 @@ TEST(SurfaceNoise, FollowsTheTargetsSlopesOnlyAsFarAsContoursAreRight) {
 TEST(SurfaceNoise, FindsTheContoursErrorThatAMeanSquareBelongsTo) {
     Fixture f;
     f.noise.set_level({1, 0.4});
-    EXPECT_NEAR(f.noise.contour_mm_for(1.0), 0.4, 1e-12);
     const double b = 0.2 * 0.2;
-    EXPECT_NEAR(f.noise.contour_mm_for(2.0), std::sqrt(2 * (0.16 + b) - b), 2e-3);
-    EXPECT_EQ(f.noise.contour_mm_for(0.0), 0.0);
+    EXPECT_NEAR(f.noise.contours_for(1.0).sd_mm, 0.4, 1e-4);
+    EXPECT_NEAR(f.noise.contours_for(2.0).sd_mm, std::sqrt(2 * (0.16 + b) - b), 2e-3);
+    EXPECT_NEAR(f.noise.contours_for(2.0).shown_share, 1, 1e-9);
+}
+
+TEST(SurfaceNoise, LeavesContoursOpenAsFarAsVoxelsMayExplainThem) {
+    Fixture f;
+    f.noise.set_level({1, 0.05});
+    const double b = 0.2 * 0.2, nothing = b / (0.05 * 0.05 + b);
+    const auto none = f.noise.contours_for(nothing);
+    // The mean of half a normal distribution, of deviation b/3
+    EXPECT_NEAR(none.sd_mm, std::sqrt(b / 3 * std::sqrt(2 / std::acos(-1.0))), 2e-3);
+    EXPECT_NEAR(none.shown_share, 0, 0.02);
+
+    double last = 0;
+    for (const double factor : {1e-6, 0.3, 0.6, 1.0, 1.5}) {
+        const auto found = f.noise.contours_for(factor);
+        EXPECT_GT(found.sd_mm, last) << factor;
+        EXPECT_GE(found.shown_share, 0);
+        last = found.sd_mm;
+    }
 }
 
 }  // namespace

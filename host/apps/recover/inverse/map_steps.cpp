@@ -141,9 +141,16 @@ NoiseLevel MapSteps::first_level() const {
 NoiseLevel MapSteps::level_for(const LinearisedProblem::Fit& fit) const {
     NoiseLevel level = noise_.level();
     if (!options_.estimate_noise) return level;
-    if (!options_.contour_mm) level.contour_mm = contour_mm_for(fit);
+    double shown_share = 1;
+    if (!options_.contour_mm) {
+        const SurfaceNoise::FoundContours found = contours_for(fit);
+        level.contour_mm = std::clamp(found.sd_mm, least_contour_mm, most_contour_mm);
+        shown_share = found.shown_share;
+    }
     level.scale = scale_for(fit);
-    level.slice_share = level.contour_mm > 0 ? options_.slice_share.value_or(fit.slice_share) : 0.0;
+    // What the rows do not show, they do not show to be slice by slice either.
+    const double slice_share = options_.slice_share.value_or(shown_share * fit.slice_share);
+    level.slice_share = level.contour_mm > 0 ? slice_share : 0.0;
     return level;
 }
 
@@ -159,10 +166,9 @@ double MapSteps::scale_for(const LinearisedProblem::Fit& fit) const {
 
 /// The contours' error such that E[r^T D r] = tr(D R C^-1 R). Not weighted by R^-1: that asks the
 /// shortest waves, where the kernel is least certain and moduli do not show.
-double MapSteps::contour_mm_for(const LinearisedProblem::Fit& fit) const {
-    if (!(fit.expected_misfit_mm2 > 0)) return noise_.level().contour_mm;
-    return std::clamp(noise_.contour_mm_for(fit.misfit_mm2 / fit.expected_misfit_mm2),
-                      least_contour_mm, most_contour_mm);
+SurfaceNoise::FoundContours MapSteps::contours_for(const LinearisedProblem::Fit& fit) const {
+    if (!(fit.expected_misfit_mm2 > 0)) return {noise_.level().contour_mm, 1};
+    return noise_.contours_for(fit.misfit_mm2 / fit.expected_misfit_mm2);
 }
 
 /// Where no modulus is asked for, walls move as the settings say: the fit is for what moduli see.

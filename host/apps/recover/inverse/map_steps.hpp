@@ -104,7 +104,7 @@ private:
     std::vector<LinearRow> rows_of(const SearchState& state) const;
     FramePrior frame_of(const SearchState& state) const;
     double scale_for(const LinearisedProblem::Fit& fit) const;
-    double contour_mm_for(const LinearisedProblem::Fit& fit) const;
+    SurfaceNoise::FoundContours contours_for(const LinearisedProblem::Fit& fit) const;
 
     /// At the moduli of the last state; that walls are fitted does not change it.
     mutable std::optional<std::pair<Eigen::VectorXd, ResponseModel::Equilibrium>> equilibrium_;

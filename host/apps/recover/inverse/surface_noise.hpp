@@ -66,9 +66,17 @@ public:
     /// Terraces follow from the voxels, for the surfaces where `state` has them; at first there are
     /// none.
     void take_terraces(const ObservedState& state);
-    /// The contours' standard deviation for which the observed rows would have `factor` times their
-    /// variance: s^2 <- f (s^2 + b) - b, b the mean variance of all other parts.
-    double contour_mm_for(double factor) const;
+    /// How far contours are off where the observed rows have `factor` times the variance that they
+    /// were said to have.
+    struct FoundContours {
+        double sd_mm = 0;
+        double shown_share = 1;  ///< of the variance: what the rows show, not only leave open
+    };
+    /// The rows show m = f (s^2 + b) - b, b the mean variance of all other parts. That of voxels is
+    /// known to a third, so that s^2 may be m +- b/3 and is not below 0. Of the normal distribution
+    /// of this mean and deviation q, cut off at 0, the mean is
+    ///   s^2 = m + q phi(m/q) / Phi(m/q).
+    FoundContours contours_for(double factor) const;
     /// The rows that `state` sees. The noise of outliers is inflated so that the quadratic loss has
     /// the slope of Huber's:
     ///   alone: z = (R^-1 r)_k / sqrt((R^-1)_kk) is how far a row is from where its neighbours say,

@@ -24,6 +24,8 @@ enum class SearchMethod {
     nested_lbfgs,  ///< the published baseline, without intervals
 };
 
+constexpr int usual_max_rounds = 12;
+
 struct RecoverOptions {
     Settings settings;
     MesherOptions mesher;
@@ -38,7 +40,7 @@ struct RecoverOptions {
     MechanicsOptions mechanics;
     SearchMethod method = SearchMethod::map;
     TissueLaw law;
-    int max_rounds = 12;  ///< linearisations at large deformation at most
+    int max_rounds = usual_max_rounds;  ///< linearisations at large deformation at most
     MapOptions search;
     NestedOptions nested;                ///< for `nested_lbfgs`
     std::vector<Landmark> landmarks;     ///< measured at the end, not used by the search

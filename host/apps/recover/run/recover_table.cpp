@@ -145,7 +145,7 @@ std::vector<Option> search_options() {
         Option::integer("max_iterations", 1, 1000, "Of the search")
             .usually(std::int64_t{MapOptions{}.max_iterations}),
         Option::integer("max_rounds", 1, 100, "Linearisations at large deformation")
-            .usually(std::int64_t{RecoverOptions{}.max_rounds}),
+            .usually(std::int64_t{usual_max_rounds}),
     };
 }
 
