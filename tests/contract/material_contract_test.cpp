@@ -225,8 +225,10 @@ TEST_P(MaterialContract, DerivativesByParametersMatchDifferences) {
                 const auto state = law.state(h);
                 const int parameter = static_cast<int>(k);
                 const Wide scale = norm(law.stress(state)) / parameters[k];
-                note(relative_difference(law.parameter_stress(state, parameter), stress) *
-                     static_cast<double>(norm(stress) / scale));
+                // Not over `stress`: near rest a parameter of high order has none.
+                Tensor3<Wide> difference = law.parameter_stress(state, parameter);
+                for (int i = 0; i < 9; ++i) difference.m[i] -= stress.m[i];
+                note(static_cast<double>(norm(difference) / scale));
                 note(static_cast<double>(std::abs(law.parameter_energy(state, parameter) - energy) *
                                          parameters[k] / law.energy(state)));
             });
