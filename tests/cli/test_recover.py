@@ -177,4 +177,5 @@ def test_a_ready_mesh_of_quadratic_elements_is_taken_as_it_is(phantom, tmp_path)
     again = recovered(phantom, tmp_path / "again", "--mesh", tmp_path / "first" / "mesh.vtu")
     assert again["mesh"]["element_type"] == "tet10"
     assert again["mesh"]["elements"] == first["mesh"]["elements"]
-    assert prostate(again)["stiffness_kpa"] == pytest.approx(prostate(first)["stiffness_kpa"], rel=0.02)
+    # Nodes come in another order, and closest points have kinks; the interval spans a factor of 2.
+    assert prostate(again)["stiffness_kpa"] == pytest.approx(prostate(first)["stiffness_kpa"], rel=0.05)
