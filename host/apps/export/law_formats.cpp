@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
+#include <vector>
 
 #include "host/apps/export/engineering_units.hpp"
 #include "solver/base/error.hpp"
