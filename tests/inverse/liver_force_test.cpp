@@ -197,7 +197,7 @@ TEST(LiverForce, IsFoundFromThePartOfTheSurfaceThatWasSeen) {
     Recovered found;
     found.recovery = mechanics.recovery;
     FullSolver full_solver(found.recovery.model, {}, 4);
-    search_model(found, mechanics, full_solver, observations, how, timer, {});
+    search_model(found, mechanics, full_solver, nullptr, observations, how, timer, {});
 
     Vec3 force = Vec3::Zero();
     for (const Index node : input.tool_nodes) force += found.force.segment<3>(3 * node);

@@ -54,9 +54,10 @@ Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& 
     const MapEstimate found = recover_from_surfaces(truth, options, progress);
     const double kpa = std::exp(found.theta[0]), expected = truth.options.stiffness_kpa;
     const auto interval =
-        truth.is_finer ? with_model_error(found.interval_kpa[0], kpa,
-                                          std::sqrt(found.covariance(0, 0)), found.unknown[0].sd)
-                       : found.interval_kpa[0];
+        truth.is_finer
+            ? with_model_error(found.interval_kpa[0], kpa, std::sqrt(found.covariance(0, 0)),
+                               found.unknown[0].sd, model_sd_ln_with(0))
+            : found.interval_kpa[0];
     Row row;
     row.set("truth", name_of(truth));
     row.set("seed", truth.options.seed, 0);

@@ -372,19 +372,20 @@ TEST(LinearisedProblem, SearchEndsWhereTheGradientVanishes) {
 TEST(ModelError, ModelErrorAddsInQuadratureOnBothSides) {
     const double sd = 0.2;
     constexpr double wide_prior = 1e6;
-    const auto widened =
-        with_model_error({80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, 80, sd, wide_prior);
+    const auto widened = with_model_error({80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, 80,
+                                          sd, wide_prior, model_sd_ln);
 
     const double whole = std::hypot(data_sd_factor * sd, model_sd_ln);
-    EXPECT_NEAR(sd_ln_with_model_error(sd, wide_prior, 0), whole, 1e-9);
+    EXPECT_NEAR(sd_ln_with_model_error(sd, wide_prior, model_sd_ln), whole, 1e-9);
     EXPECT_NEAR(std::log(widened[1] / 80), 1.96 * whole, 1e-9);
     EXPECT_NEAR(std::log(widened[0] / 80), -1.96 * whole, 1e-9);
 }
 
 TEST(ModelError, WhatThePriorTellsIsNotStretched) {
     constexpr double prior = 1.2;
-    EXPECT_NEAR(sd_ln_with_model_error(prior, prior, 0), std::hypot(prior, model_sd_ln), 1e-12);
-    const double half = sd_ln_with_model_error(0.5 * prior, prior, 0);
+    EXPECT_NEAR(sd_ln_with_model_error(prior, prior, model_sd_ln), std::hypot(prior, model_sd_ln),
+                1e-12);
+    const double half = sd_ln_with_model_error(0.5 * prior, prior, model_sd_ln);
     EXPECT_GT(half, 0.5 * prior);
     EXPECT_LT(half, data_sd_factor * 0.5 * prior);
 }
@@ -395,6 +396,12 @@ TEST(ModelError, ModelErrorGrowsWithTheContours) {
     EXPECT_NEAR(model_sd_ln_with(half_a_millimetre_each),
                 std::hypot(model_sd_ln, 0.5 * model_sd_ln_per_contour_mm), 1e-12);
     EXPECT_DOUBLE_EQ(model_sd_ln_with(50), most_model_sd_ln);
+}
+
+TEST(ModelError, ModelErrorGrowsWithWhatTheMeshChanged) {
+    for (const double change : {-0.3, 0.3})
+        EXPECT_NEAR(model_sd_ln_with(0, change), std::hypot(model_sd_ln, 0.15), 1e-12);
+    EXPECT_GT(model_sd_ln_with(50, 0.3), most_model_sd_ln);
 }
 
 }  // namespace

@@ -222,6 +222,20 @@ TEST(ResponseModel, TakenApartAndPutTogetherIsTheSame) {
               model.significant_root(model.prior_covariance()));
 }
 
+TEST(ResponseModel, ShiftedAnswersAreTheOldOnesMoved) {
+    Chain chain;
+    const ResponseModel model = ResponseModel::exact(chain.model, chain.walls);
+    const Eigen::VectorXd shift = chain.noise(3 * Chain::num_observed),
+                          walls = chain.noise(3 * Chain::num_driven);
+    const ResponseModel twice = model.shifted_by(shift).shifted_by(shift);
+    for (const double kpa : {20.0, 200.0}) {
+        const std::vector<double> moduli{0, 10, kpa};
+        const Eigen::VectorXd moved =
+            twice.observed_displacement(moduli, walls) - model.observed_displacement(moduli, walls);
+        EXPECT_LT((moved - 2 * shift).norm(), 1e-9 * shift.norm());
+    }
+}
+
 TEST(ResponseModel, RefusesPartsThatDoNotFit) {
     Chain chain;
     auto parts = ResponseModel::compressed(chain.model, chain.walls, {2}, {}).parts();

@@ -19,12 +19,13 @@
 namespace palpate {
 
 struct MapEstimate {
-    Eigen::VectorXd driven;                           ///< [3 num_driven] mm
-    FrameMotion frame = FrameMotion::Zero();          ///< by which the target's alignment is off
-    Eigen::VectorXd observed;                         ///< [3 num_observed] mm
-    std::vector<Unknown> unknown;                     ///< regions that were estimated
-    Eigen::VectorXd theta;                            ///< ln E of them
-    Eigen::MatrixXd covariance;                       ///< of theta, Laplace approximation
+    Eigen::VectorXd driven;                   ///< [3 num_driven] mm
+    FrameMotion frame = FrameMotion::Zero();  ///< by which the target's alignment is off
+    Eigen::VectorXd observed;                 ///< [3 num_observed] mm
+    std::vector<Unknown> unknown;             ///< regions that were estimated
+    Eigen::VectorXd theta;                    ///< ln E of them
+    Eigen::MatrixXd covariance;               ///< of theta, Laplace approximation
+    Eigen::VectorXd mesh_change_ln;  ///< of theta, for elements are not infinitely small; or empty
     std::vector<std::array<double, 2>> interval_kpa;  ///< 95 %, from the profile of F, as found
     std::vector<ProfileResult> profiles;
     Eigen::VectorXd seen_sd_ln;                      ///< see posterior.hpp, as the next two

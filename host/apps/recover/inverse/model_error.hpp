@@ -20,13 +20,17 @@ constexpr double data_sd_factor = 1.4;
 constexpr double model_sd_ln_per_contour_mm = 1.3;
 constexpr double most_model_sd_ln = 0.8;
 
-/// Both that the model adds together; `contour_mm` is of both images together (NoiseLevel).
-double model_sd_ln_with(double contour_mm);
+/// Share of what the size of the elements has changed of ln E that stays unknown.
+constexpr double unknown_share_of_mesh = 0.5;
+
+/// All that the model adds together; `contour_mm` is of both images together (NoiseLevel),
+/// `mesh_change_ln` what the size of the elements has changed.
+double model_sd_ln_with(double contour_mm, double mesh_change_ln = 0);
 
 /// A standard deviation of ln E from the data and a prior, as this says it, and as it is with
-/// the model's own uncertainty:
+/// the model's own uncertainty `model_sd` (model_sd_ln_with):
 ///   s^2 = 1 / (i / data_sd_factor^2 + 1 / prior^2) + model^2,   i = 1 / sd^2 - 1 / prior^2.
-double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double contour_mm);
+double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double model_sd);
 
 /// The interval with a further, independent standard deviation of ln E added in quadrature on
 /// either side.
@@ -36,6 +40,6 @@ std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa,
 /// An interval that belongs to `sd_ln`, with the same: either side is stretched as the part of the
 /// standard deviation that comes from the data, then the model's is added in quadrature.
 std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa,
-                                       double sd_ln, double prior_sd_ln, double contour_mm = 0);
+                                       double sd_ln, double prior_sd_ln, double model_sd);
 
 }  // namespace palpate

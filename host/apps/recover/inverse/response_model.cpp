@@ -414,6 +414,18 @@ ResponseModel ResponseModel::with_walls(const WallPrior& prior) const {
     return other;
 }
 
+ResponseModel ResponseModel::shifted_by(const Eigen::VectorXd& observed) const {
+    ResponseModel other = *this;
+    LinearisationPoint& point = other.parts_.point;
+    if (point.is_rest()) {
+        point.driven.setZero(driven_dofs());
+        point.observed = observed;
+    } else {
+        point.observed += observed;
+    }
+    return other;
+}
+
 ResponseModel ResponseModel::exact(const ReducedModel& model, const WallPrior& prior) {
     return ResponseBuilder(model, prior, {}, {}, {}).exact();
 }

@@ -74,6 +74,9 @@ public:
     /// prior's.
     ResponseModel with_walls(const WallPrior& prior) const;
 
+    /// The same answers moved by `observed` [observed_dofs] mm, whatever the motion.
+    ResponseModel shifted_by(const Eigen::VectorXd& observed) const;
+
     Index num_modes() const { return static_cast<Index>(parts_.modes.cols()); }
     Index num_functionals() const { return static_cast<Index>(parts_.functionals.rows()); }
     Index driven_dofs() const { return static_cast<Index>(parts_.functionals.cols()); }

@@ -174,6 +174,10 @@ BodyMesh body_mesh(const RegionMesh& mesh, ElementType element) {
     return with_mid_sides({as_element(solid_mesh_of(mesh.mesh), element), mesh.surface});
 }
 
+BodyMesh with_mid_side_nodes(const BodyMesh& body) {
+    return with_mid_sides({with_edge_nodes(body.mesh), body.surface});
+}
+
 BodyMesh body_mesh(SolidMesh given, const LabelField& field, const Settings& settings,
                    ElementType element) {
     const auto hollow = hollow_regions(settings);

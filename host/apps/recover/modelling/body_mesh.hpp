@@ -24,6 +24,9 @@ struct BodyMesh {
 /// Throws Error(invalid_argument) for other elements than tet4 and tet10.
 BodyMesh body_mesh(const RegionMesh& mesh, ElementType element = ElementType::tet4);
 
+/// The same body of tet10, with mid-side nodes in the middle of the edges, from one of tet4.
+BodyMesh with_mid_side_nodes(const BodyMesh& body);
+
 /// A ready mesh whose `region` holds region numbers, with its conforming surface. tet4 become
 /// `element`; tet10 stay what they are, with their mid-side nodes where they are. Faces towards
 /// nothing get the hollow organ or the outside that lies there in the reference `field`; faces on

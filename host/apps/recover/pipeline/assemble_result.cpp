@@ -313,6 +313,9 @@ void add_motion(const Recovered& found, const LabelledState& reference, const Ta
                 const Settings& settings, RecoveryResult& result) {
     result.mesh = found.recovery.model.mesh;
     result.displacement = as_points(found.displacement);
+    if (found.mesh_change.size() > 0)
+        result.mesh_change_mm =
+            found.mesh_change.norm() / std::sqrt(static_cast<double>(found.mesh_change.size()) / 3);
     result.force = as_points(found.force);
     result.held = held_nodes(found.recovery);
     for (std::size_t s = 0; s < found.recovery.surfaces.size(); ++s) {

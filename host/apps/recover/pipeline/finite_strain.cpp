@@ -214,13 +214,13 @@ bool Rounds::is_settled() const {
 /// elasticity does, shifted such that it agrees at the estimate.
 void Rounds::judge() {
     MapEstimate& estimate = found_.estimate;
-    ResponseModel::Parts parts = rest_.response.parts();
     const auto kpa = rest_.response.moduli(unknown(), estimate.theta);
-    parts.point.driven.setZero(estimate.driven.size());
-    parts.point.observed =
-        estimate.observed - rest_.response.observed_displacement(kpa, estimate.driven);
     const WallPrior& walls = estimate.walls ? *estimate.walls : rest_.walls;
-    const ResponseModel shifted = ResponseModel(std::move(parts)).with_walls(walls);
+    const ResponseModel shifted =
+        rest_.response
+            .shifted_by(estimate.observed -
+                        rest_.response.observed_displacement(kpa, estimate.driven))
+            .with_walls(walls);
     FramePrior frame = estimate.counted->frame();
     frame.motion = estimate.frame;
     const LinearisedProblem problem(shifted, walls,

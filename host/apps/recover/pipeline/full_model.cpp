@@ -68,7 +68,9 @@ void check_against_response(const Recovered& found) {
     double difference = 0;
     for (std::size_t k = 0; k < found.recovery.observed.size(); ++k) {
         const Vec3 full = found.displacement.segment<3>(3 * found.recovery.observed[k]);
-        const Vec3 response = found.estimate.observed.segment<3>(3 * static_cast<Index>(k));
+        Vec3 response = found.estimate.observed.segment<3>(3 * static_cast<Index>(k));
+        if (found.mesh_change.size() > 0)
+            response -= found.mesh_change.segment<3>(3 * static_cast<Index>(k));
         difference = std::max(difference, (full - response).norm());
     }
     if (difference > response_tolerance_mm) {

@@ -24,10 +24,21 @@ double contours_left_mm(const std::vector<JointTarget>& targets, const Eigen::Ve
     return weighted / shares.sum() * std::sqrt(shares.maxCoeff());
 }
 
+/// What the size of the elements has changed of modulus `k`: of the targets as they tell of it.
+double mesh_change_ln(const std::vector<JointTarget>& targets, const Eigen::VectorXd& shares,
+                      Index k) {
+    double weighted = 0;
+    for (std::size_t a = 0; a < targets.size(); ++a)
+        if (targets[a].mesh_change_ln.size() > 0)
+            weighted += shares[static_cast<Index>(a)] * targets[a].mesh_change_ln[k];
+    return shares.sum() > 0 ? weighted / shares.sum() : 0;
+}
+
 }  // namespace
 
 JointTarget joint_target(const MapEstimate& estimate) {
-    return {estimate.posterior, estimate.walls, estimate.response, estimate.noise_level};
+    return {estimate.posterior, estimate.walls, estimate.response, estimate.noise_level,
+            estimate.mesh_change_ln};
 }
 
 std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets,
@@ -45,6 +56,9 @@ std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets
     all.theta = minimise_bfgs(problem, scan_grid(problem, bounds), bounds).theta;
     take_uncertainty(problem, options, all, progress);
     const Eigen::MatrixXd shares = problem.shares(all.theta);
+    all.mesh_change_ln.resize(all.theta.size());
+    for (Index k = 0; k < all.theta.size(); ++k)
+        all.mesh_change_ln[k] = mesh_change_ln(targets, shares.col(k), k);
     std::vector<RegionResult> regions;
     for (std::size_t k = 0; k < all.unknown.size(); ++k) {
         RegionResult region;

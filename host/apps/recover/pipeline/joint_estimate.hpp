@@ -19,6 +19,7 @@ struct JointTarget {
     std::shared_ptr<const WallPrior> walls;
     std::shared_ptr<const ResponseModel> response;
     NoiseLevel noise;
+    Eigen::VectorXd mesh_change_ln;  ///< as in MapEstimate
 };
 
 /// Empty `problem` where the search has none: another method than `map`.

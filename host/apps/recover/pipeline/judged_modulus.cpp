@@ -19,12 +19,14 @@ ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Se
     const Eigen::MatrixXd& covariance = estimate.covariance;
     const double best_kpa = std::exp(estimate.theta[row]);
     ModulusEvidence evidence;
-    const double contour_mm = estimate.noise_level.contour_mm;
+    const double mesh_change =
+        estimate.mesh_change_ln.size() > 0 ? estimate.mesh_change_ln[row] : 0;
+    const double model_sd = model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change);
     const double sd_ln = std::sqrt(covariance(row, row));
     evidence.prior_sd_ln = estimate.unknown[k].sd;
-    evidence.interval_kpa = with_model_error(estimate.interval_kpa[k], best_kpa, sd_ln,
-                                             evidence.prior_sd_ln, contour_mm);
-    evidence.sd_ln = sd_ln_with_model_error(sd_ln, evidence.prior_sd_ln, contour_mm);
+    evidence.interval_kpa =
+        with_model_error(estimate.interval_kpa[k], best_kpa, sd_ln, evidence.prior_sd_ln, model_sd);
+    evidence.sd_ln = sd_ln_with_model_error(sd_ln, evidence.prior_sd_ln, model_sd);
     evidence.seen_sd_ln = estimate.seen_sd_ln[row];
     evidence.excludes_soft = estimate.excluded_ends[k][0];
     evidence.excludes_stiff = estimate.excluded_ends[k][1];

@@ -105,7 +105,7 @@ PlannedInterval Planner::interval(const std::pair<int, int>& targets, const Eige
     PlannedInterval interval{targets.first, targets.second, 0, true};
     interval.sd_ln =
         sd_ln_with_model_error(std::sqrt(laplace_covariance(all, theta)(unknown, unknown)),
-                               mechanics_.unknowns[unknown].sd, contours_mm);
+                               mechanics_.unknowns[unknown].sd, model_sd_ln_with(contours_mm));
     ModulusEvidence evidence;
     evidence.sd_ln = interval.sd_ln;
     evidence.prior_sd_ln = mechanics_.unknowns[unknown].sd;

@@ -64,8 +64,14 @@ PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, Mes
     Mechanics mechanics =
         make_mechanics(mesh, options.settings, options.solver, options.mechanics, timer, progress);
     auto full_solver = start_full_solver(mechanics.recovery, options.solver);
-    return {std::move(reference), std::move(mesh),      std::move(mesher),
-            std::move(maps),      std::move(mechanics), std::move(full_solver)};
+    auto finer_mesh = start_finer_mesh(mesh, options);
+    return {std::move(reference), std::move(mesh),        std::move(mesher),    std::move(maps),
+            std::move(mechanics), std::move(full_solver), std::move(finer_mesh)};
+}
+
+std::shared_ptr<FinerMesh> start_finer_mesh(const BodyMesh& mesh, const RecoverOptions& options) {
+    if (mesh.mesh.type != ElementType::tet4) return nullptr;
+    return std::make_shared<FinerMesh>(mesh, options.settings, options.solver);
 }
 
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,

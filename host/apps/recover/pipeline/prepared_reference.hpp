@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/apps/recover/pipeline/finer_mesh.hpp"
 #include "host/apps/recover/pipeline/full_solver.hpp"
 #include "host/apps/recover/pipeline/mechanics.hpp"
 #include "host/apps/recover/pipeline/reference_state.hpp"
@@ -20,6 +21,7 @@ struct PreparedReference {
     std::vector<DistanceMap> maps;  ///< of the matched organs
     Mechanics mechanics;
     std::shared_ptr<FullSolver> full_solver;  ///< of `mechanics.recovery.model`
+    std::shared_ptr<FinerMesh> finer_mesh;    ///< of `mesh`; null: that is of quadratic elements
 };
 
 /// Meshes the reference (or reads the ready mesh) and condenses it.
@@ -30,6 +32,9 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
 PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
                                     std::vector<DistanceMap> maps, const RecoverOptions& options,
                                     StageTimer& timer, const ProgressSink& progress);
+
+/// The finer mesh of a reference of tet4, set up in the background; null of other elements.
+std::shared_ptr<FinerMesh> start_finer_mesh(const BodyMesh& mesh, const RecoverOptions& options);
 
 /// Sets up the solver of the whole model, in the background.
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,

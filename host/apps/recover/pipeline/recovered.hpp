@@ -25,6 +25,9 @@ struct Recovered {
     RecoveryModel recovery;
     std::vector<std::shared_ptr<const TargetShape>> target;  ///< as in ObservedShapes
     MapEstimate estimate;
+    /// What the search added to the answers of the mesh, for its elements are not infinitely small
+    /// [3 num_observed] mm; empty: nothing.
+    Eigen::VectorXd mesh_change;
     std::optional<PoissonEstimate> poisson;  ///< if a ratio was unknown
     /// At large deformation; its `estimate` has moved to the one above.
     std::optional<FiniteStrainEstimate> finite;

@@ -3,6 +3,7 @@
 #include "host/apps/recover/pipeline/search_target.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -12,6 +13,9 @@
 
 namespace palpate {
 namespace {
+
+/// Of u_h/2 - u_h: errors fall as h^2, so that u_0 - u_h is 1 + 1/4 + 1/16 + ... of it.
+constexpr double of_no_size = 4.0 / 3.0;
 
 std::vector<std::uint8_t> seen_nodes(const SolidMesh& mesh, const TargetState& target) {
     std::vector<std::uint8_t> seen(mesh.nodes.size());
@@ -74,6 +78,51 @@ void move_frame(const RigidTransform& motion, Recovered& found) {
             dynamic_cast<const DistanceMap&>(*shape).moved(motion.inverse()));
 }
 
+/// u of the full model, mm, with the walls and the moduli of the estimate.
+Eigen::VectorXd full_displacement(const RecoveryModel& recovery, const MapEstimate& estimate,
+                                  LinearSolver& solver, const ProgressSink& progress) {
+    Columns walls = Columns::Zero(recovery.model.num_dofs(), 1), displacement;
+    for (std::size_t k = 0; k < recovery.driven.size(); ++k)
+        walls.middleRows<3>(3 * recovery.driven[k]) =
+            estimate.driven.segment<3>(3 * static_cast<Index>(k));
+    solver.solve(walls, displacement, progress);
+    return displacement.col(0);
+}
+
+/// Both searches as one.
+void add_records(const MapEstimate& earlier, MapEstimate& estimate) {
+    std::vector<IterationRecord> records = earlier.records;
+    for (IterationRecord& record : estimate.records) {
+        record.iteration = static_cast<int>(records.size()) + 1;
+        records.push_back(std::move(record));
+    }
+    estimate.records = std::move(records);
+    estimate.termination.iterations = static_cast<int>(estimate.records.size());
+}
+
+/// Adds to every answer of the mesh what elements of no size would change of the one at the
+/// estimate, and searches on from there (method.md, 4.6).
+void search_with_mesh_change(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
+                             FinerMesh& finer_mesh, const SurfaceObservations& observations,
+                             const MapOptions& options, const ProgressSink& progress) {
+    std::vector<Index> unknown;
+    for (const Unknown& modulus : mechanics.unknowns) unknown.push_back(modulus.object);
+    const auto kpa = mechanics.response.moduli(unknown, found.estimate.theta);
+    const Eigen::VectorXd displacement =
+        full_displacement(found.recovery, found.estimate, full_solver.at(kpa), progress);
+    report_progress(progress, "searching", -1, "the same on a finer mesh");
+    found.mesh_change = of_no_size * at_nodes(finer_mesh.change(kpa, displacement, progress),
+                                              found.recovery.observed);
+    const auto changed =
+        std::make_shared<ResponseModel>(mechanics.response.shifted_by(found.mesh_change));
+    const MapEstimate earlier = std::move(found.estimate);
+    found.estimate = map_estimate_near(earlier, *changed, mechanics.walls, observations,
+                                       mechanics.unknowns, options, progress);
+    if (!found.estimate.response) found.estimate.response = changed;
+    found.estimate.mesh_change_ln = found.estimate.theta - earlier.theta;
+    add_records(earlier, found.estimate);
+}
+
 FiniteStrainOptions finite_strain_options(const RecoverOptions& options) {
     FiniteStrainOptions finite;
     finite.max_rounds = options.max_rounds;
@@ -106,16 +155,16 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
         with_contours.search.contour_mm = *sd_mm * contour_images(target);
     if (const auto by_slice = options.settings.prior.drawn_by_slice)
         with_contours.search.slice_share = *by_slice ? 1.0 : 0.0;
-    search_model(found, mechanics, *prepared.full_solver, observations, with_contours, timer,
-                 progress);
+    search_model(found, mechanics, *prepared.full_solver, prepared.finer_mesh.get(), observations,
+                 with_contours, timer, progress);
     if (!found.estimate.frame.isZero(0))
         move_frame(observations.frame_evidence().frame.transform(found.estimate.frame), found);
     return found;
 }
 
 void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
-                  const SurfaceObservations& observations, const RecoverOptions& options,
-                  StageTimer& timer, const ProgressSink& progress) {
+                  FinerMesh* finer_mesh, const SurfaceObservations& observations,
+                  const RecoverOptions& options, StageTimer& timer, const ProgressSink& progress) {
     timer.start("searching");
     const bool has_unknown_ratio = !mechanics.recovery.unknown_ratio.empty();
     if (has_unknown_ratio) {
@@ -132,6 +181,9 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
     } else {
         found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
                                       mechanics.unknowns, options.search, progress);
+        if (finer_mesh && !mechanics.unknowns.empty())
+            search_with_mesh_change(found, mechanics, full_solver, *finer_mesh, observations,
+                                    options.search, progress);
     }
     found.estimate.noise.reset();  // it points into the observations, which end with the search
     timer.start("solving");

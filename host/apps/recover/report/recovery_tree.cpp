@@ -115,15 +115,24 @@ ResultTree landmarks_part(const RecoveryResult& result) {
 
 ResultTree mesh_part(const RecoveryResult& result) {
     const MeshQuality& q = result.mesher.quality;
-    return ResultTree::of("mesh", {{"nodes", result.mesh.num_nodes()},
-                                   {"elements", result.mesh.num_elements()},
-                                   {"element_type", result.mesh.table().name},
-                                   {"mesher", result.mesher.mesher},
-                                   {"fallback", result.mesher.fallback},
-                                   {"inverted", q.num_inverted},
-                                   {"min_dihedral_deg", q.min_dihedral_deg},
-                                   {"max_dihedral_deg", q.max_dihedral_deg},
-                                   {"min_volume_mm3", q.min_volume_mm3}});
+    ResultTree part = ResultTree::of("mesh", {{"nodes", result.mesh.num_nodes()},
+                                              {"elements", result.mesh.num_elements()},
+                                              {"element_type", result.mesh.table().name},
+                                              {"mesher", result.mesher.mesher},
+                                              {"fallback", result.mesher.fallback},
+                                              {"inverted", q.num_inverted},
+                                              {"min_dihedral_deg", q.min_dihedral_deg},
+                                              {"max_dihedral_deg", q.max_dihedral_deg},
+                                              {"min_volume_mm3", q.min_volume_mm3}});
+    if (result.mesh_change_mm)
+        part.add(Figure{.name = "change_mm",
+                        .value = *result.mesh_change_mm,
+                        .unit = "mm",
+                        .title = "Surfaces that elements of no size would move, on average by",
+                        .decimals = 3});
+    else
+        part.add("change_mm", FigureValue());
+    return part;
 }
 
 ResultTree grid_part(const ImageGrid& grid) {

@@ -114,8 +114,11 @@ struct RecoveryResult {
     std::string seed_note;
     SolidMesh mesh;                  ///< LPS mm, tet4 or tet10
     std::vector<Vec3> displacement;  ///< [num_nodes] mm, reference to aligned target
-    std::vector<Vec3> force;         ///< [num_nodes] mN, reactions at driven and fixed nodes
-    std::vector<Held> held;          ///< [num_nodes]
+    /// Root mean square of what elements of no size would change of the displacement of the
+    /// organs' surfaces, as the search counted it, mm; empty: it did not.
+    std::optional<double> mesh_change_mm;
+    std::vector<Vec3> force;  ///< [num_nodes] mN, reactions at driven and fixed nodes
+    std::vector<Held> held;   ///< [num_nodes]
     std::vector<double> element_stiffness_kpa;  ///< [num_elements]
     std::vector<RegionResult> regions;
     std::vector<std::vector<double>> correlation;  ///< of ln E, unknown regions in order

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/recover/pipeline/finer_mesh.hpp"
+
+#include <fmt/core.h>
+
+#include "host/apps/recover/modelling/build_model.hpp"
+#include "solver/base/error.hpp"
+#include "solver/elements/tet10.hpp"
+#include "solver/equilibrium/rest_solver.hpp"
+#include "solver/model/quadratic_mesh.hpp"
+
+namespace palpate {
+namespace {
+
+/// Of the solve: half the size changes displacements by a hundredth, of which a hundredth is seen.
+constexpr double relative_tolerance = 1e-6;
+
+}  // namespace
+
+FinerMesh::FinerMesh(const BodyMesh& mesh, const Settings& settings, LinearSolverOptions options) {
+    options.expected_columns = 1;
+    options.relative_tolerance = relative_tolerance;
+    set_up_ = std::async(std::launch::async, made, mesh, settings, std::move(options));
+}
+
+FinerMesh::Finer FinerMesh::made(const BodyMesh& mesh, const Settings& settings,
+                                 const LinearSolverOptions& options) {
+    Finer finer;
+    const Index num_coarse = mesh.mesh.num_nodes();
+    const BodyMesh quadratic = with_mid_side_nodes(mesh);
+    finer.edges.resize(quadratic.mesh.num_nodes() - num_coarse);
+    for (Index e = 0; e < quadratic.mesh.num_elements(); ++e) {
+        const auto nodes = quadratic.mesh.nodes_of(e);
+        for (std::size_t k = 0; k < tet10_edges.size(); ++k)
+            finer.edges[nodes[4 + k] - num_coarse] = {nodes[tet10_edges[k][0]],
+                                                      nodes[tet10_edges[k][1]]};
+    }
+    const BodyMesh cut{solid_mesh_of(linear_mesh_of(quadratic.mesh)), quadratic.surface};
+    const RecoveryModel recovery = build_model(cut, settings);
+    finer.prescribed = recovery.model.prescribed;
+    finer.solver = make_rest_solver(recovery.model, options);
+    return finer;
+}
+
+Eigen::VectorXd FinerMesh::change(const std::vector<double>& kpa,
+                                  const Eigen::VectorXd& displacement,
+                                  const ProgressSink& progress) {
+    if (!finer_.solver) finer_ = set_up_.get();
+    const Index num_coarse = static_cast<Index>(displacement.size() / 3);
+    Columns interpolated(finer_.prescribed.size(), 1);
+    interpolated.topRows(displacement.size()) = displacement;
+    for (std::size_t k = 0; k < finer_.edges.size(); ++k) {
+        const auto& [p, q] = finer_.edges[k];
+        // On a straight edge of linear elements u(middle) = (u_p + u_q) / 2.
+        interpolated.middleRows<3>(3 * (num_coarse + static_cast<Index>(k))) =
+            0.5 * (displacement.segment<3>(3 * p) + displacement.segment<3>(3 * q));
+    }
+    Columns prescribed = Columns::Zero(interpolated.rows(), 1);
+    for (Index dof = 0; dof < interpolated.rows(); ++dof)
+        if (finer_.prescribed[dof]) prescribed(dof, 0) = interpolated(dof, 0);
+    finer_.solver->set_stiffness(kpa);
+    Columns finer = interpolated;
+    const LinearSolverSummary summary = finer_.solver->solve(prescribed, finer, progress);
+    if (!summary.converged)
+        throw Error(ErrorCode::solve_failed,
+                    fmt::format("the solve on the finer mesh stopped at a relative residual of "
+                                "{:.1e} ({}); try --precision double",
+                                summary.relative_residual, summary.message));
+    return finer.topRows(displacement.size()) - displacement;
+}
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <future>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "host/apps/recover/modelling/body_mesh.hpp"
+#include "host/apps/recover/modelling/settings.hpp"
+#include "solver/linear/linear_solver.hpp"
+#include "solver/model/solid_model.hpp"
+
+namespace palpate {
+
+/// The body with every linear tetrahedron cut in eight, which tells how much of a displacement is
+/// due to the size of the elements. It is set up in the background.
+class FinerMesh {
+public:
+    /// `mesh`: of tet4.
+    FinerMesh(const BodyMesh& mesh, const Settings& settings, LinearSolverOptions options);
+
+    /// u_h/2 - u_h at the nodes of the coarser mesh, mm.
+    ///   kpa           moduli of all regions
+    ///   displacement  u_h [3 num_nodes] mm, in equilibrium at these moduli; its prescribed values
+    ///                 are held between the nodes as linear elements have them
+    /// Throws Error(solve_failed) if the finer equilibrium is not found.
+    Eigen::VectorXd change(const std::vector<double>& kpa, const Eigen::VectorXd& displacement,
+                           const ProgressSink& progress);
+
+private:
+    using Edge = std::pair<Index, Index>;
+    struct Finer {
+        std::vector<Edge> edges;                     ///< of the nodes that are new
+        std::vector<std::uint8_t> prescribed;        ///< [3 num_nodes of the finer mesh]
+        std::unique_ptr<LinearSolver> solver;
+    };
+    static Finer made(const BodyMesh& mesh, const Settings& settings,
+                      const LinearSolverOptions& options);
+
+    std::future<Finer> set_up_;
+    Finer finer_;
+};
+
+}  // namespace palpate
