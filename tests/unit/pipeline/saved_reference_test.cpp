@@ -146,6 +146,24 @@ Recovered found_with(const PreparedReference& prepared, const RecoverOptions& op
                          timer, {});
 }
 
+TEST_F(SavedReferenceFile, AFinerMeshThatFailsIsToldOfAndCostsNoAnswer) {
+    PreparedReference again = restored(file);
+    EXPECT_EQ(found_with(again, *options).mesh_change.size(),
+              3 * again.mechanics.recovery.observed.size());
+    LinearSolverOptions few;
+    few.backend = "reference";
+    few.max_iterations = 1;
+    few.max_refinements = 1;
+    again.finer_mesh = std::make_shared<FinerMesh>(again.mesh, options->settings, few);
+
+    const Recovered found = found_with(again, *options);
+
+    EXPECT_EQ(found.mesh_change.size(), 0);
+    EXPECT_TRUE(found.estimate.termination.converged);
+    ASSERT_EQ(found.warnings.size(), 1u);
+    EXPECT_NE(found.warnings[0].find("size of the elements"), std::string::npos);
+}
+
 TEST_F(SavedReferenceFile, GivesTheSameAnswersToTheLastBit) {
     const PreparedReference again = restored(file);
 

@@ -4,7 +4,10 @@
 
 #include <fmt/core.h>
 
+#include <utility>
+
 #include "host/apps/recover/modelling/build_model.hpp"
+#include "host/apps/recover/modelling/tissue_law.hpp"
 #include "solver/base/error.hpp"
 #include "solver/elements/tet10.hpp"
 #include "solver/equilibrium/rest_solver.hpp"
@@ -18,17 +21,17 @@ constexpr double relative_tolerance = 1e-6;
 
 }  // namespace
 
-FinerMesh::FinerMesh(const BodyMesh& mesh, const Settings& settings, LinearSolverOptions options) {
-    options.expected_columns = 1;
-    options.relative_tolerance = relative_tolerance;
-    set_up_ = std::async(std::launch::async, made, mesh, settings, std::move(options));
+FinerMesh::FinerMesh(BodyMesh mesh, Settings settings, LinearSolverOptions options)
+    : mesh_(std::move(mesh)), settings_(std::move(settings)), options_(std::move(options)) {
+    options_.method = LinearMethod::multigrid;
+    options_.expected_columns = 1;
+    options_.relative_tolerance = relative_tolerance;
 }
 
-FinerMesh::Finer FinerMesh::made(const BodyMesh& mesh, const Settings& settings,
-                                 const LinearSolverOptions& options) {
+void FinerMesh::set_up(const std::vector<double>& kpa) {
     Finer finer;
-    const Index num_coarse = mesh.mesh.num_nodes();
-    const BodyMesh quadratic = with_mid_side_nodes(mesh);
+    const Index num_coarse = mesh_.mesh.num_nodes();
+    const BodyMesh quadratic = with_mid_side_nodes(mesh_);
     finer.edges.resize(quadratic.mesh.num_nodes() - num_coarse);
     for (Index e = 0; e < quadratic.mesh.num_elements(); ++e) {
         const auto nodes = quadratic.mesh.nodes_of(e);
@@ -36,17 +39,21 @@ FinerMesh::Finer FinerMesh::made(const BodyMesh& mesh, const Settings& settings,
             finer.edges[nodes[4 + k] - num_coarse] = {nodes[tet10_edges[k][0]],
                                                       nodes[tet10_edges[k][1]]};
     }
-    const BodyMesh cut{solid_mesh_of(linear_mesh_of(quadratic.mesh)), quadratic.surface};
-    const RecoveryModel recovery = build_model(cut, settings);
+    RecoveryModel recovery =
+        build_model({solid_mesh_of(linear_mesh_of(quadratic.mesh)), quadratic.surface}, settings_);
+    for (Index region = 0; region < static_cast<Index>(kpa.size()); ++region)
+        set_stiffness(recovery.model, region, kpa[region]);
     finer.prescribed = recovery.model.prescribed;
-    finer.solver = make_rest_solver(recovery.model, options);
-    return finer;
+    finer.solver = make_rest_solver(recovery.model, options_);
+    finer_ = std::move(finer);
 }
 
 Eigen::VectorXd FinerMesh::change(const std::vector<double>& kpa,
                                   const Eigen::VectorXd& displacement,
                                   const ProgressSink& progress) {
-    if (!finer_.solver) finer_ = set_up_.get();
+    check_cancelled(progress);
+    finer_.solver ? finer_.solver->set_stiffness(kpa) : set_up(kpa);
+    check_cancelled(progress);
     const Index num_coarse = static_cast<Index>(displacement.size() / 3);
     Columns interpolated(finer_.prescribed.size(), 1);
     interpolated.topRows(displacement.size()) = displacement;
@@ -59,9 +66,9 @@ Eigen::VectorXd FinerMesh::change(const std::vector<double>& kpa,
     Columns prescribed = Columns::Zero(interpolated.rows(), 1);
     for (Index dof = 0; dof < interpolated.rows(); ++dof)
         if (finer_.prescribed[dof]) prescribed(dof, 0) = interpolated(dof, 0);
-    finer_.solver->set_stiffness(kpa);
     Columns finer = interpolated;
-    const LinearSolverSummary summary = finer_.solver->solve(prescribed, finer, progress);
+    const LinearSolverSummary summary = finer_.solver->solve(
+        prescribed, finer, [&](const Progress&) { check_cancelled(progress); });
     if (!summary.converged)
         throw Error(ErrorCode::solve_failed,
                     fmt::format("the solve on the finer mesh stopped at a relative residual of "

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <future>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -16,11 +15,12 @@
 namespace palpate {
 
 /// The body with every linear tetrahedron cut in eight, which tells how much of a displacement is
-/// due to the size of the elements. It is set up in the background.
+/// due to the size of the elements. It is set up when it is first asked, for it takes some memory.
 class FinerMesh {
 public:
-    /// `mesh`: of tet4.
-    FinerMesh(const BodyMesh& mesh, const Settings& settings, LinearSolverOptions options);
+    /// `mesh`: of tet4. Solved by multigrid whatever `options` says: with eight times the elements
+    /// a factorisation takes minutes and gigabytes.
+    FinerMesh(BodyMesh mesh, Settings settings, LinearSolverOptions options);
 
     /// u_h/2 - u_h at the nodes of the coarser mesh, mm.
     ///   kpa           moduli of all regions
@@ -33,15 +33,16 @@ public:
 private:
     using Edge = std::pair<Index, Index>;
     struct Finer {
-        std::vector<Edge> edges;                     ///< of the nodes that are new
-        std::vector<std::uint8_t> prescribed;        ///< [3 num_nodes of the finer mesh]
+        std::vector<Edge> edges;               ///< of the nodes that are new
+        std::vector<std::uint8_t> prescribed;  ///< [3 num_nodes of the finer mesh]
         std::unique_ptr<LinearSolver> solver;
     };
-    static Finer made(const BodyMesh& mesh, const Settings& settings,
-                      const LinearSolverOptions& options);
+    void set_up(const std::vector<double>& kpa);
 
-    std::future<Finer> set_up_;
-    Finer finer_;
+    BodyMesh mesh_;
+    Settings settings_;
+    LinearSolverOptions options_;
+    Finer finer_;  ///< without a solver until it is set up
 };
 
 }  // namespace palpate

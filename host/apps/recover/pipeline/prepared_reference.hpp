@@ -21,7 +21,7 @@ struct PreparedReference {
     std::vector<DistanceMap> maps;  ///< of the matched organs
     Mechanics mechanics;
     std::shared_ptr<FullSolver> full_solver;  ///< of `mechanics.recovery.model`
-    std::shared_ptr<FinerMesh> finer_mesh;    ///< of `mesh`; null: that is of quadratic elements
+    std::shared_ptr<FinerMesh> finer_mesh;    ///< of `mesh`, or null
 };
 
 /// Meshes the reference (or reads the ready mesh) and condenses it.
@@ -33,8 +33,10 @@ PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, Mes
                                     std::vector<DistanceMap> maps, const RecoverOptions& options,
                                     StageTimer& timer, const ProgressSink& progress);
 
-/// The finer mesh of a reference of tet4, set up in the background; null of other elements.
-std::shared_ptr<FinerMesh> start_finer_mesh(const BodyMesh& mesh, const RecoverOptions& options);
+/// The finer mesh of a reference of tet4; null where none is counted
+/// (method.md, 4.6): other elements, more than 30,000 nodes, another method or law than the usual
+/// ones, unknown Poisson's ratios.
+std::shared_ptr<FinerMesh> make_finer_mesh(const BodyMesh& mesh, const RecoverOptions& options);
 
 /// Sets up the solver of the whole model, in the background.
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "host/apps/recover/pipeline/full_model.hpp"
@@ -85,7 +86,9 @@ Eigen::VectorXd full_displacement(const RecoveryModel& recovery, const MapEstima
     for (std::size_t k = 0; k < recovery.driven.size(); ++k)
         walls.middleRows<3>(3 * recovery.driven[k]) =
             estimate.driven.segment<3>(3 * static_cast<Index>(k));
-    solver.solve(walls, displacement, progress);
+    const LinearSolverSummary summary =
+        solver.solve(walls, displacement, [&](const Progress&) { check_cancelled(progress); });
+    if (!summary.converged) throw Error(ErrorCode::solve_failed, summary.message);
     return displacement.col(0);
 }
 
@@ -97,6 +100,7 @@ void add_records(const MapEstimate& earlier, MapEstimate& estimate) {
         records.push_back(std::move(record));
     }
     estimate.records = std::move(records);
+    if (!earlier.termination.converged) estimate.termination = earlier.termination;
     estimate.termination.iterations = static_cast<int>(estimate.records.size());
 }
 
@@ -108,11 +112,19 @@ void search_with_mesh_change(Recovered& found, const Mechanics& mechanics, FullS
     std::vector<Index> unknown;
     for (const Unknown& modulus : mechanics.unknowns) unknown.push_back(modulus.object);
     const auto kpa = mechanics.response.moduli(unknown, found.estimate.theta);
-    const Eigen::VectorXd displacement =
-        full_displacement(found.recovery, found.estimate, full_solver.at(kpa), progress);
     report_progress(progress, "searching", -1, "the same on a finer mesh");
-    found.mesh_change = of_no_size * at_nodes(finer_mesh.change(kpa, displacement, progress),
-                                              found.recovery.observed);
+    try {
+        const Eigen::VectorXd displacement =
+            full_displacement(found.recovery, found.estimate, full_solver.at(kpa), progress);
+        found.mesh_change = of_no_size * at_nodes(finer_mesh.change(kpa, displacement, progress),
+                                                  found.recovery.observed);
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit) throw;
+        found.warnings.push_back(
+            std::string("What the size of the elements changes is not in the answer: ") +
+            error.what());
+        return;
+    }
     const auto changed =
         std::make_shared<ResponseModel>(mechanics.response.shifted_by(found.mesh_change));
     const MapEstimate earlier = std::move(found.estimate);
