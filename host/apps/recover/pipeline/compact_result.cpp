@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '2', '\n'};
+constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '3', '\n'};
 constexpr FileMark body_mark{'P', 'A', 'L', 'B', 'D', 'Y', '1', '\n'};
 
 [[noreturn]] void refuse_bytes(const std::string& why) {
@@ -80,6 +80,7 @@ void visit_computation(Stream& stream, Result& result) {
         inner(loops.reason);
     });
     stream(result.full_model_residual);
+    visit_optional(stream, result.mesh_change_mm, [](auto& inner, auto& mm) { inner(mm); });
     stream.each(result.timings_s,
                 [](auto& inner, auto& stage) { inner(stage.first, stage.second); });
     stream.each(result.warnings, [](auto& inner, auto& warning) { inner(warning); });

@@ -28,7 +28,7 @@ FinerMesh::FinerMesh(BodyMesh mesh, Settings settings, LinearSolverOptions optio
     options_.relative_tolerance = relative_tolerance;
 }
 
-void FinerMesh::set_up(const std::vector<double>& kpa) {
+FinerMesh::Finer FinerMesh::finer_at(const std::vector<double>& kpa) const {
     Finer finer;
     const Index num_coarse = mesh_.mesh.num_nodes();
     const BodyMesh quadratic = with_mid_side_nodes(mesh_);
@@ -45,30 +45,30 @@ void FinerMesh::set_up(const std::vector<double>& kpa) {
         set_stiffness(recovery.model, region, kpa[region]);
     finer.prescribed = recovery.model.prescribed;
     finer.solver = make_rest_solver(recovery.model, options_);
-    finer_ = std::move(finer);
+    return finer;
 }
 
 Eigen::VectorXd FinerMesh::change(const std::vector<double>& kpa,
                                   const Eigen::VectorXd& displacement,
-                                  const ProgressSink& progress) {
+                                  const ProgressSink& progress) const {
     check_cancelled(progress);
-    finer_.solver ? finer_.solver->set_stiffness(kpa) : set_up(kpa);
+    const Finer body = finer_at(kpa);
     check_cancelled(progress);
     const Index num_coarse = static_cast<Index>(displacement.size() / 3);
-    Columns interpolated(finer_.prescribed.size(), 1);
+    Columns interpolated(body.prescribed.size(), 1);
     interpolated.topRows(displacement.size()) = displacement;
-    for (std::size_t k = 0; k < finer_.edges.size(); ++k) {
-        const auto& [p, q] = finer_.edges[k];
+    for (std::size_t k = 0; k < body.edges.size(); ++k) {
+        const auto& [p, q] = body.edges[k];
         // On a straight edge of linear elements u(middle) = (u_p + u_q) / 2.
         interpolated.middleRows<3>(3 * (num_coarse + static_cast<Index>(k))) =
             0.5 * (displacement.segment<3>(3 * p) + displacement.segment<3>(3 * q));
     }
     Columns prescribed = Columns::Zero(interpolated.rows(), 1);
     for (Index dof = 0; dof < interpolated.rows(); ++dof)
-        if (finer_.prescribed[dof]) prescribed(dof, 0) = interpolated(dof, 0);
+        if (body.prescribed[dof]) prescribed(dof, 0) = interpolated(dof, 0);
     Columns finer = interpolated;
-    const LinearSolverSummary summary = finer_.solver->solve(
-        prescribed, finer, [&](const Progress&) { check_cancelled(progress); });
+    const LinearSolverSummary summary =
+        body.solver->solve(prescribed, finer, [&](const Progress&) { check_cancelled(progress); });
     if (!summary.converged)
         throw Error(ErrorCode::solve_failed,
                     fmt::format("the solve on the finer mesh stopped at a relative residual of "

@@ -107,7 +107,7 @@ void add_records(const MapEstimate& earlier, MapEstimate& estimate) {
 /// Adds to every answer of the mesh what elements of no size would change of the one at the
 /// estimate, and searches on from there (method.md, 4.6).
 void search_with_mesh_change(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
-                             FinerMesh& finer_mesh, const SurfaceObservations& observations,
+                             const FinerMesh& finer_mesh, const SurfaceObservations& observations,
                              const MapOptions& options, const ProgressSink& progress) {
     std::vector<Index> unknown;
     for (const Unknown& modulus : mechanics.unknowns) unknown.push_back(modulus.object);
@@ -175,7 +175,7 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
 }
 
 void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
-                  FinerMesh* finer_mesh, const SurfaceObservations& observations,
+                  const FinerMesh* finer_mesh, const SurfaceObservations& observations,
                   const RecoverOptions& options, StageTimer& timer, const ProgressSink& progress) {
     timer.start("searching");
     const bool has_unknown_ratio = !mechanics.recovery.unknown_ratio.empty();

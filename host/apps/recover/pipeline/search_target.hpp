@@ -19,7 +19,7 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
 /// The same from what is observed, for any shape of the target: fills `found.estimate`, field and
 /// forces. `found.recovery` is that of `mechanics`; `finer_mesh` may be null.
 void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full_solver,
-                  FinerMesh* finer_mesh, const SurfaceObservations& observations,
+                  const FinerMesh* finer_mesh, const SurfaceObservations& observations,
                   const RecoverOptions& options, StageTimer& timer, const ProgressSink& progress);
 
 }  // namespace palpate
