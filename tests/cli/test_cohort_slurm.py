@@ -39,7 +39,14 @@ def submit(slurm, cohort, *more):
 
 
 def wait_for(slurm, job, seconds=180):
-    wait_until(lambda: not ask(slurm, "squeue", "--noheader", "--job", job), seconds)
+    """Until it has ended: a queue that is busy may show nothing of a job that runs."""
+    def has_ended():
+        if ask(slurm, "squeue", "--noheader", "--job", job):
+            return False
+        shown = ask(slurm, "scontrol", "--oneliner", "show", "job", job)
+        return not any(f"JobState={state}" in shown for state in ("PENDING", "CONFIGURING", "RUNNING", "COMPLETING"))
+
+    wait_until(has_ended, seconds)
 
 
 def planned(folder, monkeypatch, patients, cases, seconds):
@@ -76,13 +83,15 @@ def test_a_time_limit_stops_a_task_in_order_and_it_goes_on_when_requeued(slurm, 
     wait_for(slurm, job)
     code, counts = status(cohort)
     assert code == 9 and counts["in_work"] == 0 and 0 < counts["cases"]["done"] < 45
-    assert not list((cohort / "cases").rglob("*.unfinished-*"))
+    # A child that was stopped beside its driver may still be cleaning up.
+    wait_until(lambda: not list((cohort / "cases").rglob("*.unfinished-*")), 20)
     shown = ask(slurm, "scontrol", "show", "job", job)
     assert "ExitCode=9:0" in shown
     done_before = counts["cases"]["done"]
     ask(slurm, "scontrol", "requeue", f"{job}_1")
-    ask(slurm, "scontrol", "update", f"jobid={job}_1", "timelimit=10", "starttime=now")
-    # Slurm lets a requeued job wait for two minutes, whatever its start time says.
+    ask(slurm, "scontrol", "update", f"jobid={job}_1", "timelimit=10", "starttime=now+10")
+    # Not at once: Slurm refuses to launch in the second in which the same job was ended ("already killed"). It
+    # lets a requeued job wait for two minutes at times, whatever its start time says.
     wait_until(lambda: status(cohort)[1]["cases"]["done"] > done_before, 300)
     wait_until(lambda: status(cohort)[0] == 0, 180)
     noted = journal_cases(cohort)
