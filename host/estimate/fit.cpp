@@ -16,6 +16,9 @@ namespace {
 
 /// Draws from the priors that are tried when neither start nor medians have a prediction.
 constexpr int max_drawn_starts = 10;
+/// Of the misfit: what the first of several searches may leave to gain. Without a discrepancy the
+/// data are taken to be far more precise than the model can be, and the end is not worth finding.
+constexpr double first_gain_share = 0.1;
 constexpr std::uint32_t start_seed = 20090601;
 
 struct FirstPrediction {
@@ -100,7 +103,8 @@ public:
     FitRounds(const DataProblem& problem, const FitOptions& options, const ProgressSink& progress)
         : problem_(problem), options_(options), progress_(progress) {}
 
-    GaussNewtonMinimum search(NoiseModel& noise, const GaussNewtonStart& start);
+    GaussNewtonMinimum search(NoiseModel& noise, const GaussNewtonStart& start,
+                              double gain_share = 0);
     void write_counts(Fit& fit) const;
 
 private:
@@ -110,10 +114,14 @@ private:
     int num_round_ = 0, num_step_ = 0, num_prediction_ = 0, num_failed_ = 0;
 };
 
-GaussNewtonMinimum FitRounds::search(NoiseModel& noise, const GaussNewtonStart& start) {
+/// `gain_share`: of the misfit, see GaussNewtonOptions.
+GaussNewtonMinimum FitRounds::search(NoiseModel& noise, const GaussNewtonStart& start,
+                                     double gain_share) {
+    GaussNewtonOptions gauss_newton = options_.gauss_newton;
+    gauss_newton.gain_share = std::max(gauss_newton.gain_share, gain_share);
     GaussNewtonMinimum minimum =
         options_.method == FitMethod::map
-            ? minimise_gauss_newton(problem_, noise, start, options_.gauss_newton, progress_)
+            ? minimise_gauss_newton(problem_, noise, start, gauss_newton, progress_)
             : minimise_without_columns(problem_, noise, start,
                                        options_.method == FitMethod::simplex
                                            ? NloptSearch::nelder_mead
@@ -201,7 +209,8 @@ Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSin
     set_given(noise, options.discrepancy.given);
     FitRounds rounds(problem, options, progress);
     GaussNewtonMinimum minimum =
-        rounds.search(noise, {first.prediction->values, first.prediction, {}});
+        rounds.search(noise, {first.prediction->values, first.prediction, {}},
+                      options.discrepancy.is_learned ? first_gain_share : 0.0);
     bool has_settled = !options.discrepancy.is_learned;
     for (int round = 0; !has_settled && round < options.discrepancy.max_rounds; ++round) {
         const std::vector<Discrepancy> learned =

@@ -63,6 +63,7 @@ private:
     Eigen::VectorXd damped_step(const std::vector<Index>& free) const;
     Eigen::VectorXd shortened(Eigen::VectorXd step) const;
     double model_change(const Eigen::VectorXd& step) const;
+    double enough_gain() const;
     double held_objective(const Prediction& prediction) const;
     std::shared_ptr<const Prediction> predict(const Eigen::VectorXd& values, std::string& failure);
     bool try_step(const std::vector<Index>& free);
@@ -193,6 +194,10 @@ double GaussNewtonSearch::held_objective(const Prediction& prediction) const {
            priors_.energy(to_transformed(parameters_, prediction.values));
 }
 
+double GaussNewtonSearch::enough_gain() const {
+    return std::max(options_.gain_tolerance, options_.gain_share * noise_.misfit(*now_.prediction));
+}
+
 bool GaussNewtonSearch::try_step(const std::vector<Index>& free) {
     const Eigen::VectorXd step = shortened(damped_step(free));
     const double before = held_objective(*now_.prediction), promised = model_change(step);
@@ -242,7 +247,7 @@ GaussNewtonMinimum GaussNewtonSearch::run() {
         const std::vector<Index> free = free_parameters();
         measure_gain(free);
         report();
-        if (now_.predicted_gain < options_.gain_tolerance) {
+        if (now_.predicted_gain < enough_gain()) {
             now_.ending = Ending::converged;
             break;
         }

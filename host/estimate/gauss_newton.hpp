@@ -28,6 +28,8 @@ struct GaussNewtonOptions {
     double max_change = 0.7;  ///< of a log or logit parameter in one step
     /// The search ends when the best step would gain less than this in ln posterior.
     double gain_tolerance = 0.01;
+    /// Or less than this share of the misfit, for searches whose noise is not yet known.
+    double gain_share = 0;
     int max_steps = 60;           ///< accepted and rejected ones
     double first_damping = 1e-3;  ///< lambda of the first step, in units of the curvature
 };

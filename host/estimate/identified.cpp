@@ -109,8 +109,9 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     found.degrees_of_freedom = degrees;
     const double reach = student_reach(degrees);
     const TransformedInterval interval =
-        options.follows_profiles ? profiles.interval(k, reach, options.skewness_tolerance)
-                                 : quadratic_interval(fit.transformed[k], reach * found.sd);
+        options.follows_profiles && !found.parameter.is_nuisance
+            ? profiles.interval(k, reach, options.skewness_tolerance)
+            : quadratic_interval(fit.transformed[k], reach * found.sd);
     found.is_profiled = interval.is_profiled;
     found.is_cut = interval.is_cut;
     for (const int side : {0, 1})
@@ -118,7 +119,7 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     UnknownEvidence& evidence = found.evidence;
     evidence = {found.sd, found.parameter.sd, 0, true, true};
     if (options.judges_far_ends && !found.parameter.is_nuisance) {
-        const auto excluded = profiles.excluded_ends(k);
+        const auto excluded = profiles.excluded_ends(k, interval, reach);
         evidence.excludes_low = excluded[0];
         evidence.excludes_high = excluded[1];
     }

@@ -19,8 +19,9 @@ struct IdentifyOptions {
     /// A profile is followed where, 2 sd away, it differs from the quadratic rise by more than this
     /// share of it.
     double skewness_tolerance = 0.2;
-    bool follows_profiles = true;  ///< false: all intervals are quadratic (cheap, for plans)
-    bool judges_far_ends = true;   ///< whether the far ends of ranges are predicted for verdicts
+    /// Nuisances have quadratic ones; false: all have (cheap, for plans).
+    bool follows_profiles = true;
+    bool judges_far_ends = true;  ///< whether the far ends of ranges are predicted for verdicts
 };
 
 /// One parameter after a fit.

@@ -14,9 +14,18 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double z_tolerance = 0.03;
+/// Of F, that a search along a profile may leave: it is known and taken off.
+constexpr double left_gain = 0.05;
 constexpr int max_profile_points = 12;
+constexpr double nearly =
+    0.95;  ///< of the rise that excludes: the 95 % interval's, but for a little
 /// A profile is followed at most so far: sd of the prior, or of the Laplace posterior if flat.
 constexpr double max_prior_reach = 4.0, max_laplace_reach = 30.0;
+
+GaussNewtonOptions loosened(GaussNewtonOptions options) {
+    options.gain_tolerance = std::max(options.gain_tolerance, left_gain);
+    return options;
+}
 
 }  // namespace
 
@@ -27,7 +36,7 @@ ProfileSearch::ProfileSearch(const DataProblem& problem, const Fit& fit,
       parameters_(problem.parameters()),
       fit_(fit),
       covariance_(covariance),
-      options_(options),
+      options_(loosened(options)),
       progress_(progress),
       range_(range_of(parameters_)),
       priors_(priors_of(parameters_)),
@@ -74,7 +83,8 @@ ProfileSearch::Point ProfileSearch::profile_at(Index k, double t, const Point& n
             problem_, noise, {to_values(parameters_, within(start)), nearest.prediction, {k}},
             options_, progress_);
         num_prediction_ += found.num_prediction;
-        const double rise = std::max(0.0, found.objective - lowest_);
+        // less what the last step would still have gained
+        const double rise = std::max(0.0, found.objective - found.predicted_gain - lowest_);
         return {std::sqrt(2.0 * rise), found.transformed, found.prediction};
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
@@ -151,22 +161,36 @@ TransformedInterval ProfileSearch::interval(Index k, double reach, double tolera
     return interval;
 }
 
-/// How much less likely the data alone are there: F without the prior of k.
-double ProfileSearch::data_rise(Index k, const Eigen::VectorXd& transformed) {
-    const auto energy = [&](double t) {
-        return 0.5 * priors_.precision[k] * (t - priors_.mean[k]) * (t - priors_.mean[k]);
+/// What the prior of k adds to the rise of F at t.
+double ProfileSearch::prior_rise(Index k, double t) const {
+    const auto energy = [&](double at) {
+        return 0.5 * priors_.precision[k] * (at - priors_.mean[k]) * (at - priors_.mean[k]);
     };
-    return rise_at(transformed) - energy(transformed[k]) + energy(fit_.transformed[k]);
+    return energy(t) - energy(fit_.transformed[k]);
 }
 
-std::array<bool, 2> ProfileSearch::excluded_ends(Index k) {
+/// How much less likely the data alone are there: F without the prior of k.
+double ProfileSearch::data_rise(Index k, const Eigen::VectorXd& transformed) {
+    return rise_at(transformed) - prior_rise(k, transformed[k]);
+}
+
+/// Whether the data alone have already excluded what is beyond the end of the interval, if F does
+/// not fall again farther out: then no prediction there is needed.
+bool ProfileSearch::is_excluded_within(Index k, const TransformedInterval& interval, double reach,
+                                       int side) const {
+    if (interval.is_cut[side]) return false;
+    return 0.5 * reach * reach - prior_rise(k, interval.ends[side]) > nearly * profile_rise;
+}
+
+std::array<bool, 2> ProfileSearch::excluded_ends(Index k, const TransformedInterval& interval,
+                                                 double interval_reach) {
     const double reach =
         parameters_[k].has_prior() ? max_prior_reach * parameters_[k].sd : infinite;
     std::array<bool, 2> excluded{true, true};
     for (const int side : {0, 1}) {
         const double end = side == 0 ? std::max(range_.lower[k], priors_.mean[k] - reach)
                                      : std::min(range_.upper[k], priors_.mean[k] + reach);
-        if (!std::isfinite(end)) continue;
+        if (!std::isfinite(end) || is_excluded_within(k, interval, interval_reach, side)) continue;
         Eigen::VectorXd alone = fit_.transformed;
         alone[k] = end;
         excluded[side] =

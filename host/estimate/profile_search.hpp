@@ -34,7 +34,9 @@ public:
     /// Whether the data without the prior of k exclude its lowest and its highest value: their
     /// ends, or 4 sd of the prior; as `excluded_ends` of posterior.hpp. True where there is no end
     /// at all.
-    std::array<bool, 2> excluded_ends(Index k);
+    /// `interval` is that of `interval(k, reach, ..)`: what it excludes by the data alone is not
+    /// predicted again.
+    std::array<bool, 2> excluded_ends(Index k, const TransformedInterval& interval, double reach);
 
     int num_prediction() const { return num_prediction_; }
 
@@ -50,6 +52,9 @@ private:
     Point profile_at(Index k, double t, const Point& nearest);
     double profile_end(Index k, double reach, double direction, bool& is_cut);
     double farthest(Index k, double direction) const;
+    bool is_excluded_within(Index k, const TransformedInterval& interval, double reach,
+                            int side) const;
+    double prior_rise(Index k, double t) const;
     double data_rise(Index k, const Eigen::VectorXd& transformed);
     bool is_quadratic(Index k, double tolerance);
 
@@ -57,7 +62,7 @@ private:
     const std::vector<Parameter>& parameters_;
     const Fit& fit_;
     const Eigen::MatrixXd& covariance_;
-    const GaussNewtonOptions& options_;
+    GaussNewtonOptions options_;
     const ProgressSink& progress_;
     TransformedRange range_;
     TransformedPriors priors_;
