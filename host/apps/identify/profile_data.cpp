@@ -23,7 +23,10 @@ namespace {
 /// Where the model's surface at rest was itself measured with them (rest = "measured"), only the
 /// change is scaled:
 ///   z_measured(r, t) = z(r, 0) + z_scale (z(r / r_scale, t - delay) - z(r / r_scale, 0)).
-/// About an axis a place left of it, r < 0, is that at -r.
+/// About an axis a place left of it, r < 0, is that at -r. A camera that is turned a little adds
+/// tilt r. Where the surface at rest was guessed, its points are higher than in the model by what
+/// `rest_error` says of their r at rest, at all times: straight lines between its places, and none
+/// beyond them. What that changes of the mechanics is left out.
 class ProfileData final : public MeasuredData {
 public:
     explicit ProfileData(const DataSource& source)
@@ -32,7 +35,9 @@ public:
           r_mm_(source.numbers.values("r_mm")),
           r_scale_(source.table.number("r_scale", positive).value_or(1)),
           z_scale_(source.table.number("z_scale", positive).value_or(1)),
-          delay_s_(source.table.number("delay_s", any_number).value_or(0)) {
+          delay_s_(source.table.number("delay_s", any_number).value_or(0)),
+          tilt_(source.table.number("tilt", any_number).value_or(0)) {
+        read_rest_error(source.table);
         rest_is_measured_ = source.table.choice("rest", {"modelled", "measured"}) == "measured";
         const auto where = source.table.table("where");
         if (!where) source.table.missing("where", "where = {side = \"y-max\"}, for example");
@@ -47,6 +52,7 @@ public:
     Eigen::VectorXd predicted(const ExperimentState& state) const override {
         const SimulationResult& simulation = *state.simulation;
         const std::vector<Index> nodes = surface_nodes(simulation);
+        const std::vector<double> rise_mm = rise_of(nodes, simulation.mesh());
         std::vector<std::optional<SmoothCurve>> curves(simulation.states.size());
         const bool is_about_axis = simulation.mesh().formulation == Formulation::axisymmetric;
         Eigen::VectorXd rows(block_.num_row());
@@ -54,7 +60,7 @@ public:
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);
             const double r = is_about_axis ? std::abs(r_mm_[row]) : r_mm_[row];
             const auto z_at = [&](std::size_t k) {
-                if (!curves[k]) curves[k] = surface_profile(simulation, nodes, k);
+                if (!curves[k]) curves[k] = surface_profile(simulation, nodes, k, rise_mm);
                 return z_scale_ * curves[k]->at(r / r_scale_);
             };
             const double first = z_at(before);
@@ -63,12 +69,43 @@ public:
                 const double scaled = z_at(0);
                 z += curves[0]->at(r) - scaled;
             }
-            rows[Eigen::Index(row)] = z;
+            rows[Eigen::Index(row)] = z + tilt_ * r_mm_[row];
         }
         return rows;
     }
 
 private:
+    void read_rest_error(const SettingsTable& table) {
+        for (const SettingsTable& place : table.tables("rest_error")) {
+            place.allow_keys({"r_mm", "z_mm"});
+            const auto r_mm = place.number("r_mm", any_number),
+                       z_mm = place.number("z_mm", any_number);
+            if (!r_mm) place.missing("r_mm", "a number");
+            if (!z_mm) place.missing("z_mm", "a number, or {value = 0, sd = 0.2}");
+            if (!error_r_mm_.empty() && !(*r_mm > error_r_mm_.back()))
+                place.refuse("r_mm", "allowed: places that ascend");
+            error_r_mm_.push_back(*r_mm);
+            error_z_mm_.push_back(*z_mm);
+        }
+    }
+
+    double rest_error_at(double r_mm) const {
+        for (std::size_t k = 1; k < error_r_mm_.size(); ++k) {
+            const double low = error_r_mm_[k - 1], high = error_r_mm_[k];
+            if (r_mm < low || r_mm > high) continue;
+            const double share = (r_mm - low) / (high - low);
+            return error_z_mm_[k - 1] + share * (error_z_mm_[k] - error_z_mm_[k - 1]);
+        }
+        return 0;
+    }
+
+    std::vector<double> rise_of(const std::vector<Index>& nodes, const SolidMesh& mesh) const {
+        std::vector<double> rise;
+        if (error_r_mm_.empty()) return rise;
+        for (const Index node : nodes) rise.push_back(rest_error_at(mesh.nodes[node].x()));
+        return rise;
+    }
+
     /// Ascending along x at rest.
     std::vector<Index> surface_nodes(const SimulationResult& simulation) const {
         if (simulation.mesh().formulation == Formulation::solid)
@@ -81,7 +118,8 @@ private:
     SettingsTable table_;
     MeasuredTimes times_;
     std::vector<double> r_mm_;
-    double r_scale_ = 1, z_scale_ = 1, delay_s_ = 0;
+    double r_scale_ = 1, z_scale_ = 1, delay_s_ = 0, tilt_ = 0;
+    std::vector<double> error_r_mm_, error_z_mm_;
     bool rest_is_measured_ = false;
     Selection surface_;
 };
@@ -91,7 +129,7 @@ private:
 DataKind profile_kind() {
     return {"profile",
             "Height of a surface of a plane or axisymmetric body: columns time_s, r_mm, z_mm",
-            {"where", "sd_mm", "r_scale", "z_scale", "delay_s", "rest"},
+            {"where", "sd_mm", "r_scale", "z_scale", "delay_s", "rest", "tilt", "rest_error"},
             [](const DataSource& source) {
                 return std::unique_ptr<MeasuredData>(new ProfileData(source));
             }};

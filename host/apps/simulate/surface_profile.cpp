@@ -24,17 +24,18 @@ std::vector<Index> nodes_along(const Selection& surface, const SimulationResult&
 }
 
 SmoothCurve surface_profile(const SimulationResult& simulation, const std::vector<Index>& nodes,
-                            std::size_t state) {
+                            std::size_t state, const std::vector<double>& rise_mm) {
     const SimulationState& at = simulation.states[state];
     std::vector<double> r, z;
-    for (const Index node : nodes) {
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const Index node = nodes[k];
         const Vec3 place = simulation.mesh().nodes[node] + at.displacement.segment<3>(3 * node);
         if (!r.empty() && !(place.x() > r.back()))
             throw Error(
                 ErrorCode::solve_failed,
                 fmt::format("the surface overhangs at {:g} s: z(r) is no function", at.time_s));
         r.push_back(place.x());
-        z.push_back(place.y());
+        z.push_back(place.y() + (rise_mm.empty() ? 0 : rise_mm[k]));
     }
     return SmoothCurve(std::move(r), std::move(z));
 }

@@ -15,7 +15,8 @@ std::vector<Index> nodes_along(const Selection& surface, const SimulationResult&
 
 /// The height y(x) of these nodes in a state, deformed. Throws Error(solve_failed) where the
 /// surface overhangs.
+///   rise_mm   [nodes] by which they are higher than in the model; empty: not at all
 SmoothCurve surface_profile(const SimulationResult& simulation, const std::vector<Index>& nodes,
-                            std::size_t state);
+                            std::size_t state, const std::vector<double>& rise_mm = {});
 
 }  // namespace palpate

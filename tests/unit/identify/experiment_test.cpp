@@ -178,6 +178,34 @@ TEST_F(ExperimentTest, DisplacementsAndProfilesAreThoseOfTheDeformedBody) {
     EXPECT_NEAR(made->blocks[1].predicted[2], height(2), 1e-9);
 }
 
+TEST_F(ExperimentTest, AGuessedSurfaceIsHigherByItsErrorAndATurnedCameraAddsATilt) {
+    // A block that does not move, 4 mm high.
+    write("z.csv", "time_s,r_mm,z_mm\n1,1,0\n1,3,0\n1,4,0\n1,8,0\n");
+    const auto heights = [&](const std::string& more) {
+        const Experiment found = experiment(
+            "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [10, 4], divisions "
+            "= [10, 4]}\n[[material]]\nlaw = \"neo-hookean\"\nstiffness_kpa = \"unknown\"\n"
+            "poisson_ratio = 0.3\n[[fix]]\nname = \"base\"\nwhere = {side = \"y-min\"}\n"
+            "[history]\ntime_s = [1]\n[[data]]\nkind = \"profile\"\nfile = \"z.csv\"\n"
+            "where = {side = \"y-max\"}\nsd_mm = 0.1\n" +
+            more);
+        const ExperimentProblem problem(found, [](SimulationSettings&) {}, 1, {});
+        return problem.predict(starts_of(found.parameters()), PredictedColumns::none, nullptr)
+            .prediction->blocks[0]
+            .predicted;
+    };
+    const Eigen::VectorXd risen = heights(
+        "rest_error = [{r_mm = 2, z_mm = 0}, {r_mm = 4, z_mm = -0.2}, {r_mm = 6, z_mm = 0}]\n");
+    EXPECT_NEAR(risen[0], 4, 1e-9);
+    EXPECT_NEAR(risen[1], 3.9, 1e-9);
+    EXPECT_NEAR(risen[2], 3.8, 1e-9);
+    EXPECT_NEAR(risen[3], 4, 1e-9);
+    const Eigen::VectorXd tilted = heights("tilt = 0.01\n");
+    EXPECT_NEAR(tilted[3], 4.08, 1e-9);
+    EXPECT_THROW(heights("rest_error = [{r_mm = 2, z_mm = 0}, {r_mm = 1, z_mm = 0}]\n"), Error);
+    EXPECT_THROW(heights("rest_error = [{r_mm = 2}]\n"), Error);
+}
+
 /// A small section under a tube that sucks, and its profile.
 std::string suction() {
     return "[mesh]\nformulation = \"axisymmetric\"\nvolume = \"element-mean\"\n"
@@ -197,7 +225,9 @@ std::string suction() {
            "[newton]\nrelative_tolerance = 1e-12\n"
            "[[data]]\nkind = \"profile\"\nfile = \"z.csv\"\nsd_mm = 0.02\n"
            "where = {point_array = \"surface\"}\ndelay_s = {value = 0, sd = 0.02}\n"
-           "r_scale = {value = 1, sd = 0.005}\nz_scale = {value = 1, sd = 0.005}\n";
+           "r_scale = {value = 1, sd = 0.005}\nz_scale = {value = 1, sd = 0.005}\n"
+           "tilt = {value = 0, sd = 0.01}\nrest_error = [{r_mm = 1, z_mm = 0}, "
+           "{r_mm = 3, z_mm = {value = 0, sd = 0.2}}, {r_mm = 5.2, z_mm = 0}]\n";
 }
 
 TEST_F(ExperimentTest, ColumnsOfAnInstrumentAreThoseOfWholeSimulations) {
@@ -206,7 +236,7 @@ TEST_F(ExperimentTest, ColumnsOfAnInstrumentAreThoseOfWholeSimulations) {
     const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
     const Eigen::VectorXd values = starts_of(found.parameters());
     const auto centre = problem.predict(values, PredictedColumns::wanted, nullptr).prediction;
-    ASSERT_EQ(found.parameters().size(), 8u);
+    ASSERT_EQ(found.parameters().size(), 10u);
 
     for (Eigen::Index k = 0; k < values.size(); ++k) {
         const double h = 1e-4 * std::max(0.2, std::abs(values[k]));
