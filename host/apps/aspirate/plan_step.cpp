@@ -50,6 +50,9 @@ SuckedBody supposed_body(const AspirationSettings& settings, const Suction& suct
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
     SuckedBody body;
     body.rest = cap_surface(tissue.cap_mm, radius_mm, settings.edge_radius_mm.value);
+    const double lowest_mm = settings.instrument.rim_thickness_mm + above_line_mm;
+    for (std::size_t k = 0; k < body.rest.r_mm.size(); ++k)
+        if (body.rest.z_mm[k] > lowest_mm) body.seen_to_mm = body.rest.r_mm[k];
     body.steps = suction_steps(suction, suction.end_s(), settings.steps);
     body.start = {tissue.mu_kpa, tissue.gamma, tissue.amplitude, tissue.relaxation_s,
                   stiffness_at_peak(tissue, suction.peak_kpa(), radius_mm)};

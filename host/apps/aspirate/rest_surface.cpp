@@ -66,6 +66,7 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
     found.asymmetry_mm = asymmetry_of(points);
     found.is_seen =
         farthest_mm > least_seen_part * hole_radius_mm && Index(points.size()) > 10 * even_terms;
+    found.seen_to_mm = found.is_seen ? farthest_mm : 0;
     Terms shape = Terms::Zero();
     double scale = 1e3;
     for (int round = 0; found.is_seen && round < rounds; ++round) {

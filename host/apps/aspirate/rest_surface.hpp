@@ -12,6 +12,7 @@ struct FoundRest {
     RestSurface surface;
     double left_rms_mm = 0;   ///< what a smooth surface leaves of the points that are seen
     double asymmetry_mm = 0;  ///< rms of half the difference of both sides
+    double seen_to_mm = 0;    ///< r up to which it is seen; what is beyond is guessed
     bool is_seen = true;      ///< false: all is behind the rim, and taken as level
 };
 

@@ -4,12 +4,40 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "host/apps/aspirate/model/aspiration_model.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr double contact_factor = 300;  // stiffness of the tube over that of the tissue, per mm
+
+constexpr int hidden_places = 3;         // at which the hidden part of the rest may be wrong
+constexpr double hidden_sd_mm = 0.2;     // of it
+constexpr double least_hidden_mm = 0.3;  // of r: less is not worth a number
+constexpr double tilt_sd = 0.01;         // of the camera about its axis, rad
+
+/// Where the surface at rest may be off: between the last that was seen and the rim, and at neither
+/// of them. Empty if hardly anything is hidden.
+std::vector<double> hidden_places_of(const SuckedBody& sucked) {
+    const double end_mm = sucked.rest.r_mm.back(), hidden_mm = end_mm - sucked.seen_to_mm;
+    std::vector<double> places;
+    if (hidden_mm < least_hidden_mm) return places;
+    for (int k = 1; k <= hidden_places; ++k)
+        places.push_back(sucked.seen_to_mm + hidden_mm * k / (hidden_places + 1));
+    return places;
+}
+
+std::string rest_error_text(const SuckedBody& sucked) {
+    const std::vector<double> places = hidden_places_of(sucked);
+    if (places.empty()) return "";
+    std::string text = fmt::format("rest_error = [{{r_mm = {:.4f}, z_mm = 0}}", sucked.seen_to_mm);
+    for (const double r_mm : places)
+        text +=
+            fmt::format(", {{r_mm = {:.4f}, z_mm = {{value = 0, sd = {}}}}}", r_mm, hidden_sd_mm);
+    return text + fmt::format(", {{r_mm = {:.4f}, z_mm = 0}}]\n", sucked.rest.r_mm.back());
+}
 
 std::string open_from(double start) {
     return fmt::format("{{unknown = true, start = {:.5g}}}", start);
@@ -47,6 +75,25 @@ AspirationBody body_of(const AspirationSettings& settings, const SuckedBody& suc
 
 }  // namespace
 
+RestSurface corrected_rest(const SuckedBody& sucked, const std::vector<double>& error_mm,
+                           double hole_radius_mm, double edge_radius_mm) {
+    std::vector<double> r_mm = hidden_places_of(sucked), z_mm = error_mm;
+    r_mm.insert(r_mm.begin(), sucked.seen_to_mm);
+    z_mm.insert(z_mm.begin(), 0);
+    r_mm.push_back(sucked.rest.r_mm.back());
+    z_mm.push_back(0);
+    RestSurface rest = sucked.rest;
+    for (std::size_t k = 0; k + 1 < rest.r_mm.size(); ++k)
+        for (std::size_t p = 1; p < r_mm.size(); ++p) {
+            const double share = (rest.r_mm[k] - r_mm[p - 1]) / (r_mm[p] - r_mm[p - 1]);
+            if (share <= 0 || share > 1) continue;
+            const double z = rest.z_mm[k] + z_mm[p - 1] + share * (z_mm[p] - z_mm[p - 1]);
+            rest.z_mm[k] =
+                below_tube(rest.r_mm[k], std::max(0.0, z), hole_radius_mm, edge_radius_mm);
+        }
+    return rest;
+}
+
 std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,
                                 const Suction& suction, const std::string& law, int num_terms) {
     AspirationBody body = body_of(settings, sucked, suction);
@@ -67,9 +114,10 @@ std::string experiment_text(const AspirationSettings& settings, const SuckedBody
            fmt::format(
                "\n[[data]]\nname = \"profiles\"\nkind = \"profile\"\nfile = \"{}\"\n"
                "where = {{point_array = \"surface\"}}\nrest = \"measured\"\n"
-               "r_scale = {}\nz_scale = {}\ndelay_s = {}\n",
+               "r_scale = {}\nz_scale = {}\ndelay_s = {}\ntilt = {{value = 0, sd = {}}}\n",
                points_file, settings.pixel_r_um.scale_text(), settings.pixel_z_um.scale_text(),
-               settings.delay_s.text());
+               settings.delay_s.text(), tilt_sd) +
+           rest_error_text(sucked);
 }
 
 }  // namespace palpate

@@ -14,9 +14,15 @@ constexpr double supposed_friction = 0.3;          ///< where it is unknown
 /// What is sucked, how, and what its tissue is taken for at first.
 struct SuckedBody {
     RestSurface rest;
+    double seen_to_mm = 0;  ///< r up to which `rest` was seen; beyond it is a guess
     SuctionSteps steps;
     TissueStart start;
 };
+
+/// The surface at rest, its hidden part higher by what a fit found of `rest_error` [places of the
+/// experiment's text], and still below the tube.
+RestSurface corrected_rest(const SuckedBody& sucked, const std::vector<double>& error_mm,
+                           double hole_radius_mm, double edge_radius_mm);
 
 /// The model of a law with `num_terms` relaxation terms, whose numbers are those of the start.
 std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,

@@ -4,7 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "host/apps/aspirate/fit_page.hpp"
 #include "host/apps/aspirate/tissue_experiment.hpp"
@@ -26,29 +30,58 @@ std::string name_of_model(const std::string& law, int num_terms) {
     return fmt::format("{}, {} relaxation term{}", law, num_terms, num_terms == 1 ? "" : "s");
 }
 
-/// One law with one number of relaxation terms.
+constexpr int most_rest_rounds = 4;
+constexpr double settled_rest_mm = 0.01;
+
+/// Places of `rest_error` among an experiment's numbers.
+std::vector<Eigen::Index> rest_errors_of(const Experiment& experiment) {
+    std::vector<Eigen::Index> found;
+    for (std::size_t k = 0; k < experiment.paths().size(); ++k)
+        if (experiment.paths()[k].find("rest_error") != std::string::npos)
+            found.push_back(Eigen::Index(k));
+    return found;
+}
+
+/// One law with one number of relaxation terms. What a fit finds of the hidden part of the surface
+/// at rest is a part of the body that the next fit has, until it no longer changes.
 TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettings& settings,
                    const AspirationFitInput& input, const Suction& suction, const fs::path& inside,
                    const OptionValues& values, const ProgressSink& progress) {
     const auto begin = std::chrono::steady_clock::now();
+    int num_simulation = 0;
     TriedModel tried;
     tried.name = name_of_model(law, num_terms);
-    tried.experiment_toml = experiment_text(
-        settings, {input.rest.surface, input.steps, input.start}, suction, law, num_terms);
-    tried.experiment = std::make_shared<const Experiment>(
-        Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
+    SuckedBody sucked{input.rest.surface, input.rest.seen_to_mm, input.steps, input.start};
     const auto configure = [&](SimulationSettings& model) {
         take_tangent_options(values, model.newton);
     };
+    FitOptions options;
+    for (int round = 1;; ++round) {
+        tried.experiment_toml = experiment_text(settings, sucked, suction, law, num_terms);
+        tried.experiment = std::make_shared<const Experiment>(
+            Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
+        report_progress(progress, "fit", 0, tried.name);
+        const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
+        tried.found = std::make_shared<IdentifiedExperiment>(
+            IdentifiedExperiment{.experiment = *tried.experiment});
+        tried.found->fit = fit(problem, options, progress);
+        num_simulation += problem.num_simulation();
+        std::vector<double> error_mm;
+        options.start = tried.found->fit.values;
+        for (const Eigen::Index k : rest_errors_of(*tried.experiment))
+            error_mm.push_back(std::exchange(options.start[k], 0.0));
+        const bool is_settled = std::all_of(error_mm.begin(), error_mm.end(), [](double error) {
+            return std::abs(error) < settled_rest_mm;
+        });
+        if (is_settled || round == most_rest_rounds) break;
+        sucked.rest = corrected_rest(sucked, error_mm, 0.5 * settings.hole_diameter_mm.value,
+                                     settings.edge_radius_mm.value);
+    }
     const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
-    report_progress(progress, "fit", 0, tried.name);
-    tried.found = std::make_shared<IdentifiedExperiment>(
-        IdentifiedExperiment{.experiment = *tried.experiment});
     IdentifiedExperiment& found = *tried.found;
-    found.fit = fit(problem, {}, progress);
     report_progress(progress, "intervals", 0, tried.name);
     found.identified = identify(problem, found.fit, {}, progress);
-    found.num_simulation = problem.num_simulation();
+    found.num_simulation = num_simulation + problem.num_simulation();
     check_mesh(configure, found, progress);
     found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return tried;
