@@ -384,9 +384,13 @@ def test_a_phantom_is_recovered_as_by_itself(tmp_path, phantom, keep):
         assert 0 < len(numpy.load(folder / "force.npy")) < result["mesh"]["nodes"]
 
 
-def test_a_compact_case_is_expanded_to_what_recover_writes(tmp_path, phantom):
+@pytest.mark.parametrize("target", ["target", "reference"])  # recovered; nothing to see, both ends from the prior
+def test_a_compact_case_is_expanded_to_what_recover_writes(target, tmp_path, phantom):
+    # compressed anew: plans refuse a target of the reference's bytes
+    volume = gzip.decompress((phantom / f"{target}.nii.gz").read_bytes())
+    (tmp_path / "later.nii.gz").write_bytes(gzip.compress(volume, 1))
     (tmp_path / "pairs.csv").write_text("participant_id,reference,target\n"
-                                        f"p,{phantom}/reference.nii.gz,{phantom}/target.nii.gz\n")
+                                        f"p,{phantom}/reference.nii.gz,later.nii.gz\n")
     (tmp_path / "cohort.toml").write_text("[recover]\nnodes = 2500\n")
     cohorts = {keep: tmp_path / keep for keep in ("compact", "all")}
     for keep, cohort in cohorts.items():
@@ -400,6 +404,7 @@ def test_a_compact_case_is_expanded_to_what_recover_writes(tmp_path, phantom):
     direct = next(cohorts["all"].glob("cases/*/p/target-01"))
     assert {f.name for f in made.iterdir()} == {f.name for f in direct.iterdir()} - {"case.json", "card.svg"}
     results = [json.loads((folder / "result.json").read_text()) for folder in (made, direct)]
+    assert any("prior" in json.dumps(region) for region in results[1]["regions"]) == (target == "reference")
     for result in results:
         result.pop("timings_s")
         result["summary"] = [re.sub(r" in [0-9.]+ s", "", sentence) for sentence in result["summary"]]
