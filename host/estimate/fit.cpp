@@ -19,6 +19,8 @@ constexpr int max_drawn_starts = 10;
 /// Of the misfit: what the first of several searches may leave to gain. Without a discrepancy the
 /// data are taken to be far more precise than the model can be, and the end is not worth finding.
 constexpr double first_gain_share = 0.1;
+/// Of ln posterior: what searches between may leave, whose discrepancies are still to change.
+constexpr double gain_between = 0.1;
 constexpr std::uint32_t start_seed = 20090601;
 
 struct FirstPrediction {
@@ -103,8 +105,9 @@ public:
     FitRounds(const DataProblem& problem, const FitOptions& options, const ProgressSink& progress)
         : problem_(problem), options_(options), progress_(progress) {}
 
+    /// `left_gain`, `left_share`: what may be left to gain, and the share of the misfit.
     GaussNewtonMinimum search(NoiseModel& noise, const GaussNewtonStart& start,
-                              double gain_share = 0);
+                              double left_gain = 0, double left_share = 0);
     void write_counts(Fit& fit) const;
 
 private:
@@ -114,11 +117,11 @@ private:
     int num_round_ = 0, num_step_ = 0, num_prediction_ = 0, num_failed_ = 0;
 };
 
-/// `gain_share`: of the misfit, see GaussNewtonOptions.
 GaussNewtonMinimum FitRounds::search(NoiseModel& noise, const GaussNewtonStart& start,
-                                     double gain_share) {
+                                     double left_gain, double left_share) {
     GaussNewtonOptions gauss_newton = options_.gauss_newton;
-    gauss_newton.gain_share = std::max(gauss_newton.gain_share, gain_share);
+    gauss_newton.gain_tolerance = std::max(gauss_newton.gain_tolerance, left_gain);
+    gauss_newton.gain_share = std::max(gauss_newton.gain_share, left_share);
     GaussNewtonMinimum minimum =
         options_.method == FitMethod::map
             ? minimise_gauss_newton(problem_, noise, start, gauss_newton, progress_)
@@ -209,7 +212,7 @@ Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSin
     set_given(noise, options.discrepancy.given);
     FitRounds rounds(problem, options, progress);
     GaussNewtonMinimum minimum =
-        rounds.search(noise, {first.prediction->values, first.prediction, {}},
+        rounds.search(noise, {first.prediction->values, first.prediction, {}}, 0,
                       options.discrepancy.is_learned ? first_gain_share : 0.0);
     bool has_settled = !options.discrepancy.is_learned;
     for (int round = 0; !has_settled && round < options.discrepancy.max_rounds; ++round) {
@@ -218,7 +221,8 @@ Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSin
         has_settled =
             is_settled(noise, learned, *minimum.prediction, options.discrepancy.tolerance);
         for (Index b = 0; b < noise.num_block(); ++b) noise.set_discrepancy(b, learned[b]);
-        minimum = rounds.search(noise, {minimum.values, minimum.prediction, {}});
+        minimum = rounds.search(noise, {minimum.values, minimum.prediction, {}},
+                                has_settled ? 0.0 : gain_between);
     }
     Fit result = as_fit(std::move(minimum), noise, options.method);
     result.is_settled = has_settled;

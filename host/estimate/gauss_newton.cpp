@@ -25,6 +25,12 @@ constexpr double resolution = 1e-12;
 constexpr double max_damping = 1e14;
 /// Steps shorter than this share of what is allowed are none.
 constexpr double min_reach = 1e-9;
+/// Trials after which a search that has gained next to nothing is at its end: F may have kinks,
+/// where frames and the times that are solved coincide, and there the quadratic promises what no
+/// step gains.
+constexpr std::size_t most_idle_trials = 6;
+/// Of F, promised at such an end: less than a posterior standard deviation.
+constexpr double most_promised = 0.5;
 
 /// Whether the prediction to begin with is of the very start, and has columns.
 bool is_complete(const GaussNewtonStart& start) {
@@ -69,6 +75,7 @@ private:
     bool try_step(const std::vector<Index>& free);
     void accept(std::shared_ptr<const Prediction> prediction, double ratio);
     void reject(bool has_failed);
+    bool is_idle() const;
     bool is_exhausted() const { return damping_ > max_damping || reach_ < min_reach; }
     void report() const;
 
@@ -83,7 +90,9 @@ private:
     Eigen::VectorXd
         scale_;  ///< [num_parameter] the largest curvature that was met, on the diagonal
     double damping_, growth_ = 2;
-    double reach_ = 1;  ///< share of the longest allowed step that may be used
+    double reach_ = 1;                ///< share of the longest allowed step that may be used
+    std::vector<double> objectives_;  ///< F after each trial
+    double least_promised_ = std::numeric_limits<double>::infinity();
     GaussNewtonMinimum now_;
 };
 
@@ -215,6 +224,7 @@ bool GaussNewtonSearch::try_step(const std::vector<Index>& free) {
         reject(!made);
     trial.objective = trial.accepted ? now_.objective : after;
     now_.trials.push_back(trial);
+    objectives_.push_back(now_.objective);
     return trial.accepted;
 }
 
@@ -235,6 +245,12 @@ void GaussNewtonSearch::reject(bool has_failed) {
     reach_ *= 0.5;
 }
 
+bool GaussNewtonSearch::is_idle() const {
+    const std::size_t count = objectives_.size();
+    if (count <= most_idle_trials) return false;
+    return objectives_[count - 1 - most_idle_trials] - objectives_.back() < options_.gain_tolerance;
+}
+
 void GaussNewtonSearch::report() const {
     report_progress(
         progress_, "searching", -1,
@@ -251,10 +267,15 @@ GaussNewtonMinimum GaussNewtonSearch::run() {
             now_.ending = Ending::converged;
             break;
         }
+        least_promised_ = std::min(least_promised_, now_.predicted_gain);
         bool has_moved = false;
         while (!has_moved && static_cast<int>(now_.trials.size()) < options_.max_steps &&
-               !is_exhausted())
+               !is_exhausted() && !is_idle())
             has_moved = try_step(free);
+        if (is_idle() && !is_exhausted()) {
+            now_.ending = least_promised_ < most_promised ? Ending::converged : Ending::stalled;
+            break;
+        }
         if (has_moved) continue;
         const bool is_resolved = now_.predicted_gain > 10 * resolution * std::abs(now_.objective);
         now_.ending = !is_exhausted() ? Ending::too_many_steps

@@ -67,7 +67,8 @@ struct GaussNewtonMinimum {
 /// lambda). A step is shortened where it changes a log or logit parameter by more than `max_change`
 /// or one with a prior on its own scale by more than three of its sd; at hard ends parameters stop
 /// and are let go when F falls inwards. A prediction that fails is a rejected step. The Huber
-/// weights in `noise` are updated after each accepted step; its discrepancies are held.
+/// weights in `noise` are updated after each accepted step; its discrepancies are held. Six trials
+/// that together gain less than `gain_tolerance` are the end, too.
 /// Not converging is a result. Throws Error(solve_failed) if the prediction at the start fails;
 /// `progress` may throw to cancel.
 GaussNewtonMinimum minimise_gauss_newton(const DataProblem& problem, NoiseModel& noise,

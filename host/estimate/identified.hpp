@@ -16,8 +16,8 @@ namespace palpate {
 
 struct IdentifyOptions {
     GaussNewtonOptions gauss_newton;  ///< of the searches along profiles
-    /// A profile is followed where, 2 sd away, it differs from the quadratic rise by more than this
-    /// share of it.
+    /// A profile is followed where, at the quadratic interval's ends, it differs from the quadratic
+    /// rise by more than this share of it.
     double skewness_tolerance = 0.2;
     /// Nuisances have quadratic ones; false: all have (cheap, for plans).
     bool follows_profiles = true;

@@ -13,10 +13,10 @@ namespace palpate {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double z_tolerance = 0.03;
+constexpr double z_tolerance = 0.06;
 /// Of F, that a search along a profile may leave: it is known and taken off.
-constexpr double left_gain = 0.05;
-constexpr int max_profile_points = 12;
+constexpr double left_gain = 0.5;
+constexpr int max_profile_points = 8, most_profile_steps = 10;
 constexpr double nearly =
     0.95;  ///< of the rise that excludes: the 95 % interval's, but for a little
 /// A profile is followed at most so far: sd of the prior, or of the Laplace posterior if flat.
@@ -24,6 +24,7 @@ constexpr double max_prior_reach = 4.0, max_laplace_reach = 30.0;
 
 GaussNewtonOptions loosened(GaussNewtonOptions options) {
     options.gain_tolerance = std::max(options.gain_tolerance, left_gain);
+    options.max_steps = std::min(options.max_steps, most_profile_steps);
     return options;
 }
 
@@ -103,25 +104,27 @@ double ProfileSearch::farthest(Index k, double direction) const {
     return direction < 0 ? std::max(end, looked) : std::min(end, looked);
 }
 
-/// Secant on the root of the rise, which is linear for a Gaussian, within a bracket.
-double ProfileSearch::profile_end(Index k, double reach, double direction, bool& is_cut) {
+/// Secant on the root of the rise, which is linear for a Gaussian, within a bracket that begins
+/// with `first`.
+double ProfileSearch::profile_end(Index k, double reach, double direction, Point first,
+                                  bool& is_cut) {
     Point inside{0, fit_.transformed, fit_.prediction};
     const double last = farthest(k, direction);
     double outside = last, outside_z = infinite;
     bool is_bracketed = false;
-    double t = fit_.transformed[k] + direction * reach * std::sqrt(covariance_(k, k));
-    for (int point = 0; point < max_profile_points; ++point) {
-        t = direction < 0 ? std::max(t, outside) : std::min(t, outside);
-        const Point found = profile_at(k, t, inside);
+    Point found = std::move(first);
+    for (int point = 0;; ++point) {
+        double t = found.transformed[k];
         if (std::abs(found.z - reach) < z_tolerance) return t;
         if (found.z < reach) {
             if (t == last) break;
-            inside = found;
+            inside = std::move(found);
         } else {
             outside = t;
             outside_z = found.z;
             is_bracketed = true;
         }
+        if (point == max_profile_points) break;
         const double begin = inside.transformed[k];
         if (is_bracketed && !std::isfinite(outside_z))
             t = 0.5 * (begin + outside);
@@ -131,33 +134,33 @@ double ProfileSearch::profile_end(Index k, double reach, double direction, bool&
         else
             t = fit_.transformed[k] +
                 (begin - fit_.transformed[k]) * std::clamp(reach / inside.z, 1.2, 3.0);
+        t = direction < 0 ? std::max(t, outside) : std::min(t, outside);
+        found = profile_at(k, t, inside);
     }
     is_cut = !is_bracketed || !std::isfinite(outside_z);
     return is_bracketed ? 0.5 * (inside.transformed[k] + outside) : last;
 }
 
-bool ProfileSearch::is_quadratic(Index k, double tolerance) {
-    constexpr double two_sd_rise = 2.0;
-    const double two_sd = 2.0 * std::sqrt(covariance_(k, k));
-    for (const double direction : {-1.0, 1.0}) {
-        const double t = fit_.transformed[k] + direction * two_sd;
-        if (t < range_.lower[k] || t > range_.upper[k]) return false;
-        if (!(std::abs(rise_at(on_ridge(k, t)) - two_sd_rise) <= tolerance * two_sd_rise))
-            return false;
-    }
-    return true;
-}
-
 TransformedInterval ProfileSearch::interval(Index k, double reach, double tolerance) {
+    const double quadratic_rise = 0.5 * reach * reach;
+    const Point centre{0, fit_.transformed, fit_.prediction};
     TransformedInterval interval;
-    interval.is_profiled = !is_quadratic(k, tolerance);
+    std::array<Point, 2> first;
     for (const int side : {0, 1}) {
-        const double direction = side == 0 ? -1.0 : 1.0;
-        interval.ends[side] =
-            interval.is_profiled
-                ? profile_end(k, reach, direction, interval.is_cut[side])
-                : fit_.transformed[k] + direction * reach * std::sqrt(covariance_(k, k));
+        const double direction = side == 0 ? -1.0 : 1.0, last = farthest(k, direction);
+        double t = fit_.transformed[k] + direction * reach * std::sqrt(covariance_(k, k));
+        interval.ends[side] = t;
+        t = direction < 0 ? std::max(t, last) : std::min(t, last);
+        first[side] = profile_at(k, t, centre);
+        const double rise = 0.5 * first[side].z * first[side].z;
+        if (t != interval.ends[side] ||
+            !(std::abs(rise - quadratic_rise) <= tolerance * quadratic_rise))
+            interval.is_profiled = true;
     }
+    for (const int side : {0, 1})
+        if (interval.is_profiled)
+            interval.ends[side] = profile_end(k, reach, side == 0 ? -1.0 : 1.0,
+                                              std::move(first[side]), interval.is_cut[side]);
     return interval;
 }
 

@@ -26,9 +26,9 @@ public:
     ProfileSearch(const DataProblem& problem, const Fit& fit, const Eigen::MatrixXd& covariance,
                   const GaussNewtonOptions& options, const ProgressSink& progress);
 
-    /// The interval of parameter k, `reach` sd to either side (1.96 for 95 %): quadratic if F along
-    /// the ridge (the others at their conditional means), 2 sd away, has risen by 2 up to the share
-    /// `tolerance`; else where the profile (the others searched anew) has risen by reach^2 / 2.
+    /// The interval of parameter k, `reach` sd to either side (1.96 for 95 %): quadratic if there,
+    /// the others searched anew, F has risen by reach^2 / 2 up to the share `tolerance`; else where
+    /// it has risen by that.
     TransformedInterval interval(Index k, double reach, double tolerance);
 
     /// Whether the data without the prior of k exclude its lowest and its highest value: their
@@ -50,13 +50,12 @@ private:
     Eigen::VectorXd within(Eigen::VectorXd transformed) const;
     double rise_at(const Eigen::VectorXd& transformed);
     Point profile_at(Index k, double t, const Point& nearest);
-    double profile_end(Index k, double reach, double direction, bool& is_cut);
+    double profile_end(Index k, double reach, double direction, Point first, bool& is_cut);
     double farthest(Index k, double direction) const;
     bool is_excluded_within(Index k, const TransformedInterval& interval, double reach,
                             int side) const;
     double prior_rise(Index k, double t) const;
     double data_rise(Index k, const Eigen::VectorXd& transformed);
-    bool is_quadratic(Index k, double tolerance);
 
     const DataProblem& problem_;
     const std::vector<Parameter>& parameters_;
