@@ -66,7 +66,6 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
     found.asymmetry_mm = asymmetry_of(points);
     found.is_seen =
         farthest_mm > least_seen_part * hole_radius_mm && Index(points.size()) > 10 * even_terms;
-    found.seen_to_mm = found.is_seen ? farthest_mm : 0;
     Terms shape = Terms::Zero();
     double scale = 1e3;
     for (int round = 0; found.is_seen && round < rounds; ++round) {
@@ -92,6 +91,11 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
         scale = round == 0 ? 1e3 : std::max(least_spread_mm, 1.4826 * median(away));
         found.left_rms_mm = 1.4826 * median(away);
     }
+    // Where the curve goes below the line: single points beyond it may be bubbles.
+    constexpr double step_mm = 0.02;
+    while (found.is_seen && found.seen_to_mm + step_mm <= farthest_mm &&
+           shape.dot(terms_at(found.seen_to_mm + step_mm, end_mm)) > lowest_mm)
+        found.seen_to_mm += step_mm;
     const int count = std::max(3, int(std::ceil(end_mm / sample_mm)));
     for (int k = 0; k <= count; ++k) {
         const double r = end_mm * k / count;

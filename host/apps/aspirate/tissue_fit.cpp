@@ -32,6 +32,9 @@ std::string name_of_model(const std::string& law, int num_terms) {
 
 constexpr int most_rest_rounds = 4;
 constexpr double settled_rest_mm = 0.01;
+/// Until then a fit is only good for the surface.
+constexpr double gain_for_rest = 0.2;
+constexpr int noise_rounds_for_rest = 2;
 
 /// Places of `rest_error` among an experiment's numbers.
 std::vector<Eigen::Index> rest_errors_of(const Experiment& experiment) {
@@ -40,6 +43,14 @@ std::vector<Eigen::Index> rest_errors_of(const Experiment& experiment) {
         if (experiment.paths()[k].find("rest_error") != std::string::npos)
             found.push_back(Eigen::Index(k));
     return found;
+}
+
+/// The next fit begins where this one has ended.
+void take_start(const Fit& found, FitOptions& options) {
+    options.start = found.values;
+    options.discrepancy.given.clear();
+    for (Index b = 0; b < found.noise->num_block(); ++b)
+        options.discrepancy.given.push_back(found.noise->discrepancy(b));
 }
 
 /// One law with one number of relaxation terms. What a fit finds of the hidden part of the surface
@@ -56,26 +67,38 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
         take_tangent_options(values, model.newton);
     };
     FitOptions options;
-    for (int round = 1;; ++round) {
+    bool is_settled = false;
+    for (int round = 1; !is_settled; ++round) {
         tried.experiment_toml = experiment_text(settings, sucked, suction, law, num_terms);
         tried.experiment = std::make_shared<const Experiment>(
             Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
-        report_progress(progress, "fit", 0, tried.name);
         const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
+        const auto errors = rest_errors_of(*tried.experiment);
         tried.found = std::make_shared<IdentifiedExperiment>(
             IdentifiedExperiment{.experiment = *tried.experiment});
-        tried.found->fit = fit(problem, options, progress);
-        num_simulation += problem.num_simulation();
+        Fit& found = tried.found->fit;
+        if (!errors.empty() && round <= most_rest_rounds) {
+            report_progress(progress, "fit", 0, tried.name + ", and the surface at rest");
+            FitOptions rough = options;
+            rough.gauss_newton.gain_tolerance = gain_for_rest;
+            rough.discrepancy.max_rounds = noise_rounds_for_rest;
+            found = fit(problem, rough, progress);
+            take_start(found, options);
+        }
         std::vector<double> error_mm;
-        options.start = tried.found->fit.values;
-        for (const Eigen::Index k : rest_errors_of(*tried.experiment))
-            error_mm.push_back(std::exchange(options.start[k], 0.0));
-        const bool is_settled = std::all_of(error_mm.begin(), error_mm.end(), [](double error) {
-            return std::abs(error) < settled_rest_mm;
-        });
-        if (is_settled || round == most_rest_rounds) break;
-        sucked.rest = corrected_rest(sucked, error_mm, 0.5 * settings.hole_diameter_mm.value,
-                                     settings.edge_radius_mm.value);
+        for (const Eigen::Index k : errors) error_mm.push_back(options.start[k]);
+        is_settled = round > most_rest_rounds ||
+                     std::all_of(error_mm.begin(), error_mm.end(),
+                                 [](double error) { return std::abs(error) < settled_rest_mm; });
+        if (is_settled) {
+            report_progress(progress, "fit", 0, tried.name);
+            found = fit(problem, options, progress);
+        } else {
+            sucked.rest = corrected_rest(sucked, error_mm, 0.5 * settings.hole_diameter_mm.value,
+                                         settings.edge_radius_mm.value);
+            for (const Eigen::Index k : errors) options.start[k] = 0;
+        }
+        num_simulation += problem.num_simulation();
     }
     const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
     IdentifiedExperiment& found = *tried.found;

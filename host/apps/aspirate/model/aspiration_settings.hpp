@@ -58,7 +58,7 @@ struct AspirationSettings {
     double kappa_over_shear = 500;      ///< bulk modulus over the largest shear stiffness
     SettingNumber friction;
     bool sticks = false;  ///< no slip on the tube
-    int steps = 48;       ///< that the cycle is solved in
+    int steps = 32;       ///< that the cycle is solved in
     std::optional<SupposedTissue> supposed;
 };
 
