@@ -9,7 +9,8 @@
 #include "solver/equilibrium/newton.hpp"
 
 // Many derivatives of one equilibrium at once: batches of right-hand sides for one factor of its
-// tangent. All throw as `solid_gradient` does.
+// tangent. All throw as `solid_gradient` does. `palpate identify` does not
+// come here: its derivatives go forward through load histories (solver/sensitivity), on the host.
 namespace palpate {
 
 /// The solutions of K_ff^T Lambda_f = (dJ/du)_f, Lambda = 0 on prescribed dofs, for many

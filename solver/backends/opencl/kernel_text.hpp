@@ -17,7 +17,7 @@ struct EmbeddedFile {
 
 const std::vector<EmbeddedFile>& embedded_kernels();
 
-/// The loops over elements or nodes that make a program: "block_csr", "stiffness_apply", ...
+/// The loops over elements or nodes that make a program: "solid_force", "stiffness_apply", ...
 const std::vector<std::string>& program_names();
 
 /// The laws (solver/materials/registry.hpp) that a program can be made with.

@@ -15,7 +15,7 @@ namespace palpate {
 ///   tau^2 = 1 / (4 pi kappa^2 sd^2),
 /// C the lumped mass and G the stiffness (cotangent) matrix of the wall's triangles.
 /// Returns the precision of one component, [num_driven, num_driven], symmetric positive definite,
-/// per mm^2.
+/// per mm^2. This is the first guess: where moduli are looked for, `fit_walls` replaces it.
 Eigen::SparseMatrix<double> displacement_precision(const RecoveryModel& recovery, double sd_mm,
                                                    double range_mm);
 
