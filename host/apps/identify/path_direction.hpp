@@ -12,7 +12,8 @@
 namespace palpate {
 
 /// The direction along an open number of a model file: parameters of laws, amplitudes and times of
-/// relaxation, friction above 0, sizes of obstacles. Empty for all others, along which whole simulations are compared.
+/// relaxation, friction above 0, sizes of obstacles. Empty for all others, along which whole
+/// simulations are compared.
 std::optional<HistoryDirection> direction_of(const std::string& path,
                                              const PreparedSimulation& prepared,
                                              const SimulationSettings& settings);
