@@ -55,7 +55,7 @@ std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, co
 }  // namespace
 
 void check_mesh(const Configure& configure, IdentifiedExperiment& found,
-                const ProgressSink& progress) {
+                const ProgressSink& progress, double model_sd) {
     const auto& parameters = found.experiment.parameters();
     std::vector<Eigen::VectorXd> shifts;
     std::string what;
@@ -75,7 +75,7 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
             "A mesh of a file cannot be refined here: its error is not in the intervals.";
         return;
     }
-    correct_for_discretisation(shifts, found.fit, found.identified);
+    correct_for_discretisation(shifts, found.fit, found.identified, model_sd);
     found.is_mesh_checked = true;
     found.mesh_check_sentence = fmt::format(
         "Values are corrected by a run with {} of half the size; the intervals have "

@@ -12,7 +12,8 @@ namespace palpate {
 /// simulation each on cells and steps of half the size; `found.mesh_check_sentence` tells what
 /// became of it.
 ///   configure   sets how equations are solved
+///   model_sd    as `correct_for_discretisation` has it
 void check_mesh(const std::function<void(SimulationSettings&)>& configure,
-                IdentifiedExperiment& found, const ProgressSink& progress);
+                IdentifiedExperiment& found, const ProgressSink& progress, double model_sd = 0);
 
 }  // namespace palpate

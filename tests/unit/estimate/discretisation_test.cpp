@@ -76,6 +76,21 @@ TEST(Discretisation, AnIntervalThatItWidensBeyondAFactorOfTwoIsRecoveredNoLonger
     EXPECT_EQ(known.parameters[0].judgement.verdict, Verdict::weak);
 }
 
+TEST(Discretisation, WhatElseAModelHasWrongWidensLogarithmsAloneAndNoNuisance) {
+    const ToyProblem problem = stretched(0, 2);
+    const Fit found = fit(problem, {});
+    const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(1);
+    Identified known = identify(problem, found, {}), nuisance = known;
+    const IdentifiedParameter before = known.parameters[0];
+    nuisance.parameters[0].parameter.is_nuisance = true;
+    correct_for_discretisation({nothing}, found, known, 0.03);
+    correct_for_discretisation({nothing}, found, nuisance, 0.03);
+    const double half_before = std::log(before.interval[1] / before.value);
+    EXPECT_NEAR(std::log(known.parameters[0].interval[1] / before.value),
+                std::hypot(half_before, 1.96 * 0.03), 1e-4);
+    EXPECT_EQ(nuisance.parameters[0].interval, before.interval);
+}
+
 TEST(Discretisation, RowsThatDoNotFitAreRefused) {
     const ToyProblem problem = stretched(0, 2);
     const Fit found = fit(problem, {});
