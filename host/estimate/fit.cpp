@@ -211,9 +211,10 @@ Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSin
     NoiseModel noise(first.prediction->blocks, options.noise);
     set_given(noise, options.discrepancy.given);
     FitRounds rounds(problem, options, progress);
-    GaussNewtonMinimum minimum =
-        rounds.search(noise, {first.prediction->values, first.prediction, {}}, 0,
-                      options.discrepancy.is_learned ? first_gain_share : 0.0);
+    GaussNewtonMinimum minimum = rounds.search(
+        noise, {first.prediction->values, first.prediction, {}}, 0,
+        options.discrepancy.is_learned && options.discrepancy.given.empty() ? first_gain_share
+                                                                            : 0.0);
     bool has_settled = !options.discrepancy.is_learned;
     for (int round = 0; !has_settled && round < options.discrepancy.max_rounds; ++round) {
         const std::vector<Discrepancy> learned =

@@ -29,8 +29,8 @@ constexpr double min_reach = 1e-9;
 /// where frames and the times that are solved coincide, and there the quadratic promises what no
 /// step gains.
 constexpr std::size_t most_idle_trials = 6;
-/// Of F, promised at such an end: less than a posterior standard deviation.
-constexpr double most_promised = 0.5;
+/// Of F, by the least that was promised at such an end: less than half a posterior sd.
+constexpr double most_promised = 0.1;
 
 /// Whether the prediction to begin with is of the very start, and has columns.
 bool is_complete(const GaussNewtonStart& start) {
@@ -76,6 +76,7 @@ private:
     void accept(std::shared_ptr<const Prediction> prediction, double ratio);
     void reject(bool has_failed);
     bool is_idle() const;
+    double least_promised() const;
     bool is_exhausted() const { return damping_ > max_damping || reach_ < min_reach; }
     void report() const;
 
@@ -91,8 +92,7 @@ private:
         scale_;  ///< [num_parameter] the largest curvature that was met, on the diagonal
     double damping_, growth_ = 2;
     double reach_ = 1;                ///< share of the longest allowed step that may be used
-    std::vector<double> objectives_;  ///< F after each trial
-    double least_promised_ = std::numeric_limits<double>::infinity();
+    std::vector<double> objectives_;  ///< F at the start and after each trial
     GaussNewtonMinimum now_;
 };
 
@@ -258,7 +258,16 @@ void GaussNewtonSearch::report() const {
                     now_.trials.size(), -now_.objective, now_.predicted_gain, damping_));
 }
 
+/// The least that the last trials promised to gain.
+double GaussNewtonSearch::least_promised() const {
+    double least = now_.predicted_gain;
+    for (std::size_t k = now_.trials.size() - most_idle_trials; k < now_.trials.size(); ++k)
+        least = std::min(least, now_.trials[k].predicted_gain);
+    return least;
+}
+
 GaussNewtonMinimum GaussNewtonSearch::run() {
+    objectives_.push_back(now_.objective);
     while (true) {
         const std::vector<Index> free = free_parameters();
         measure_gain(free);
@@ -267,16 +276,15 @@ GaussNewtonMinimum GaussNewtonSearch::run() {
             now_.ending = Ending::converged;
             break;
         }
-        least_promised_ = std::min(least_promised_, now_.predicted_gain);
         bool has_moved = false;
         while (!has_moved && static_cast<int>(now_.trials.size()) < options_.max_steps &&
                !is_exhausted() && !is_idle())
             has_moved = try_step(free);
+        if (has_moved) continue;
         if (is_idle() && !is_exhausted()) {
-            now_.ending = least_promised_ < most_promised ? Ending::converged : Ending::stalled;
+            now_.ending = least_promised() < most_promised ? Ending::converged : Ending::stalled;
             break;
         }
-        if (has_moved) continue;
         const bool is_resolved = now_.predicted_gain > 10 * resolution * std::abs(now_.objective);
         now_.ending = !is_exhausted() ? Ending::too_many_steps
                       : is_resolved   ? Ending::stalled

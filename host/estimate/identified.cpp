@@ -94,7 +94,7 @@ void find_partner(const Eigen::MatrixXd& correlation, Index k, IdentifiedParamet
 }
 
 TransformedInterval quadratic_interval(double centre, double half_width) {
-    return {{centre - half_width, centre + half_width}, false, {false, false}};
+    return {{centre - half_width, centre + half_width}, false, {false, false}, {0, 0}};
 }
 
 IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters, const Fit& fit,
@@ -115,11 +115,12 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     found.is_profiled = interval.is_profiled;
     found.is_cut = interval.is_cut;
     for (const int side : {0, 1})
-        found.interval[side] = to_value(found.parameter, interval.ends[side]);
+        found.interval[side] = std::clamp(to_value(found.parameter, interval.ends[side]),
+                                          found.parameter.lowest, found.parameter.highest);
     UnknownEvidence& evidence = found.evidence;
     evidence = {found.sd, found.parameter.sd, 0, true, true};
     if (options.judges_far_ends && !found.parameter.is_nuisance) {
-        const auto excluded = profiles.excluded_ends(k, interval, reach);
+        const auto excluded = profiles.excluded_ends(k, interval);
         evidence.excludes_low = excluded[0];
         evidence.excludes_high = excluded[1];
     }

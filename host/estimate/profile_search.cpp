@@ -84,9 +84,14 @@ ProfileSearch::Point ProfileSearch::profile_at(Index k, double t, const Point& n
             problem_, noise, {to_values(parameters_, within(start)), nearest.prediction, {k}},
             options_, progress_);
         num_prediction_ += found.num_prediction;
-        // less what the last step would still have gained
-        const double rise = std::max(0.0, found.objective - found.predicted_gain - lowest_);
-        return {std::sqrt(2.0 * rise), found.transformed, found.prediction};
+        // Less what the last step would still have gained; at a kink that is a promise alone.
+        const double left = found.ending == Ending::converged
+                                ? found.predicted_gain
+                                : std::min(found.predicted_gain, left_gain);
+        const double rise = std::max(0.0, found.objective - left - lowest_);
+        Point point{std::sqrt(2.0 * rise), found.transformed, found.prediction};
+        point.transformed[k] = t;
+        return point;
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
         ++num_prediction_;
@@ -156,11 +161,13 @@ TransformedInterval ProfileSearch::interval(Index k, double reach, double tolera
         if (t != interval.ends[side] ||
             !(std::abs(rise - quadratic_rise) <= tolerance * quadratic_rise))
             interval.is_profiled = true;
+        interval.rise[side] = rise;
     }
+    if (!interval.is_profiled) return interval;
+    interval.rise = {quadratic_rise, quadratic_rise};
     for (const int side : {0, 1})
-        if (interval.is_profiled)
-            interval.ends[side] = profile_end(k, reach, side == 0 ? -1.0 : 1.0,
-                                              std::move(first[side]), interval.is_cut[side]);
+        interval.ends[side] = profile_end(k, reach, side == 0 ? -1.0 : 1.0, std::move(first[side]),
+                                          interval.is_cut[side]);
     return interval;
 }
 
@@ -179,21 +186,20 @@ double ProfileSearch::data_rise(Index k, const Eigen::VectorXd& transformed) {
 
 /// Whether the data alone have already excluded what is beyond the end of the interval, if F does
 /// not fall again farther out: then no prediction there is needed.
-bool ProfileSearch::is_excluded_within(Index k, const TransformedInterval& interval, double reach,
+bool ProfileSearch::is_excluded_within(Index k, const TransformedInterval& interval,
                                        int side) const {
     if (interval.is_cut[side]) return false;
-    return 0.5 * reach * reach - prior_rise(k, interval.ends[side]) > nearly * profile_rise;
+    return interval.rise[side] - prior_rise(k, interval.ends[side]) > nearly * profile_rise;
 }
 
-std::array<bool, 2> ProfileSearch::excluded_ends(Index k, const TransformedInterval& interval,
-                                                 double interval_reach) {
+std::array<bool, 2> ProfileSearch::excluded_ends(Index k, const TransformedInterval& interval) {
     const double reach =
         parameters_[k].has_prior() ? max_prior_reach * parameters_[k].sd : infinite;
     std::array<bool, 2> excluded{true, true};
     for (const int side : {0, 1}) {
         const double end = side == 0 ? std::max(range_.lower[k], priors_.mean[k] - reach)
                                      : std::min(range_.upper[k], priors_.mean[k] + reach);
-        if (!std::isfinite(end) || is_excluded_within(k, interval, interval_reach, side)) continue;
+        if (!std::isfinite(end) || is_excluded_within(k, interval, side)) continue;
         Eigen::VectorXd alone = fit_.transformed;
         alone[k] = end;
         excluded[side] =

@@ -18,6 +18,7 @@ struct TransformedInterval {
     /// Whether an end is where the model has no prediction any more, the end of what is allowed, or
     /// as far as was looked.
     std::array<bool, 2> is_cut{false, false};
+    std::array<double, 2> rise{0, 0};  ///< of F at the ends, as found; 0: not looked at
 };
 
 /// Minus the log posterior around a fit, its discrepancies held.
@@ -34,9 +35,9 @@ public:
     /// Whether the data without the prior of k exclude its lowest and its highest value: their
     /// ends, or 4 sd of the prior; as `excluded_ends` of posterior.hpp. True where there is no end
     /// at all.
-    /// `interval` is that of `interval(k, reach, ..)`: what it excludes by the data alone is not
-    /// predicted again.
-    std::array<bool, 2> excluded_ends(Index k, const TransformedInterval& interval, double reach);
+    /// `interval` is that of `interval(k, ..)`: what it excludes by the data alone is not predicted
+    /// again, as if F did not fall farther out.
+    std::array<bool, 2> excluded_ends(Index k, const TransformedInterval& interval);
 
     int num_prediction() const { return num_prediction_; }
 
@@ -52,8 +53,7 @@ private:
     Point profile_at(Index k, double t, const Point& nearest);
     double profile_end(Index k, double reach, double direction, Point first, bool& is_cut);
     double farthest(Index k, double direction) const;
-    bool is_excluded_within(Index k, const TransformedInterval& interval, double reach,
-                            int side) const;
+    bool is_excluded_within(Index k, const TransformedInterval& interval, int side) const;
     double prior_rise(Index k, double t) const;
     double data_rise(Index k, const Eigen::VectorXd& transformed);
 

@@ -69,6 +69,9 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
     };
     add("cells", halve_cells);
     add(steps, halve_steps);
+    if (!found.mesh_check_sentence.empty()) shifts.clear();
+    if (shifts.empty() && model_sd > 0)
+        correct_for_discretisation({}, found.fit, found.identified, model_sd);
     if (!found.mesh_check_sentence.empty()) return;
     if (shifts.empty()) {
         found.mesh_check_sentence =

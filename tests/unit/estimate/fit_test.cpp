@@ -163,6 +163,21 @@ TEST(Fit, StepsAreAtMostAFactorOfTwo) {
         EXPECT_LE(std::abs(visited[k] - visited[k - 1]), 0.7 + 1e-12);
 }
 
+TEST(Fit, AKinkThatNoStepLeavesIsTheEndOfASearch) {
+    // Lowest at 2, with slopes on both sides that promise far more than any step gains.
+    DataBlock data = toy_block(Eigen::VectorXd::Zero(1), 1);
+    data.is_robust = false;
+    const ToyProblem problem({flat_parameter("k", 3)}, data, [](const auto& v, Index) {
+        return v[0].real() > 2 ? 5.0 + (v[0] - 2.0) : 5.0 + 3.0 * (2.0 - v[0]);
+    });
+
+    const Fit found = fit(problem, without_discrepancy());
+
+    EXPECT_NEAR(found.values[0], 2, 0.1);
+    EXPECT_EQ(found.ending, Ending::stalled);
+    EXPECT_LT(found.num_step, 30);
+}
+
 TEST(Fit, HardEndsHold) {
     ToyProblem problem = spring();
     problem.mutable_parameters()[0].lowest = 1.5;

@@ -54,6 +54,21 @@ TEST(Identified, APreciseSpringIsRecoveredWithoutAProfile) {
     EXPECT_EQ(known.num_prediction, 2);
 }
 
+TEST(Identified, ANuisanceHasAQuadraticIntervalWithinItsRange) {
+    ToyProblem problem = spring(2.0, 0.4);
+    Parameter& stiffness = problem.mutable_parameters()[0];
+    stiffness.is_nuisance = true;
+    stiffness.lowest = 4;
+
+    const Identified known = identify(problem, fit(problem, held()), {});
+
+    const IdentifiedParameter& found = known.parameters[0];
+    EXPECT_FALSE(found.is_profiled);
+    EXPECT_EQ(known.num_prediction, 0);
+    EXPECT_DOUBLE_EQ(found.interval[0], 4);
+    EXPECT_NEAR(found.interval[1], found.value * std::exp(1.96 * found.sd), 1e-2);
+}
+
 TEST(Identified, ASpringThatHardlyMovesHasALowerBoundOnly) {
     ToyProblem problem = spring(0.02, 0.05);
     problem.mutable_parameters()[0].median = 200;
