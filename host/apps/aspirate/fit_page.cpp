@@ -133,13 +133,24 @@ std::string residual_picture(const AspirationFit& fit) {
                     most));
 }
 
+/// As formulas have it.
+std::string symbol_of(const std::string& name) {
+    static const std::map<std::string, std::string> symbols{{"mu_kpa", "mu"},
+                                                            {"c1_kpa", "c1"},
+                                                            {"c2_kpa", "c2"},
+                                                            {"amplitude", "C"},
+                                                            {"time_s", "tau"}};
+    const auto found = symbols.find(name);
+    return found == symbols.end() ? name : found->second;
+}
+
 std::string unknowns_sentence(const AspirationFit& fit) {
     std::string text;
     for (const IdentifiedParameter& one : fit.best().found->identified.parameters)
         if (!one.parameter.is_nuisance)
-            text +=
-                fmt::format("{}{} {:.3g}{}{}", text.empty() ? "" : ", ", one.parameter.name,
-                            one.value, one.parameter.unit.empty() ? "" : " ", one.parameter.unit);
+            text += fmt::format("{}{} {:.3g}{}{}", text.empty() ? "" : ", ",
+                                symbol_of(one.parameter.name), one.value,
+                                one.parameter.unit.empty() ? "" : " ", one.parameter.unit);
     return text;
 }
 

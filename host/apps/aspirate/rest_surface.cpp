@@ -51,6 +51,10 @@ double asymmetry_of(const std::vector<ProfilePoint>& points) {
 
 }  // namespace
 
+double hidden_height(double r_mm, double z_mm, double end_mm) {
+    return std::clamp(z_mm, 0.0, end_mm - r_mm);
+}
+
 FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
                     double hole_radius_mm, double edge_radius_mm) {
     const double end_mm = hole_radius_mm + edge_radius_mm;
@@ -99,7 +103,9 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
     const int count = std::max(3, int(std::ceil(end_mm / sample_mm)));
     for (int k = 0; k <= count; ++k) {
         const double r = end_mm * k / count;
-        const double z = std::max(0.0, shape.dot(terms_at(r, end_mm)));
+        const double height_mm = shape.dot(terms_at(r, end_mm));
+        const double z =
+            r > found.seen_to_mm ? hidden_height(r, height_mm, end_mm) : std::max(0.0, height_mm);
         found.surface.r_mm.push_back(r);
         found.surface.z_mm.push_back(k == count ? 0
                                                 : below_tube(r, z, hole_radius_mm, edge_radius_mm));

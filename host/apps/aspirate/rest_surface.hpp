@@ -16,6 +16,10 @@ struct FoundRest {
     bool is_seen = true;      ///< false: all is behind the rim, and taken as level
 };
 
+/// A height that nobody saw, no more than the distance to the end at `end_mm`: a surface that comes
+/// down to the rim like a wall would fold the cells below it.
+double hidden_height(double r_mm, double z_mm, double end_mm);
+
 /// A polynomial of four even terms through the points without a flag of both sides, by weighted
 /// least squares with Tukey's biweight, that ends at the rim (z = 0 where the rounded edge begins):
 /// what the rim hides is guessed so.

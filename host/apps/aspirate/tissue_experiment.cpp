@@ -14,29 +14,34 @@ namespace {
 constexpr double contact_factor = 300;  // stiffness of the tube over that of the tissue, per mm
 
 constexpr int hidden_places = 3;         // at which the hidden part of the rest may be wrong
+constexpr double unseen_sd_mm = 0.6;     // of it where nothing is seen at rest
 constexpr double hidden_sd_mm = 0.2;     // of it
 constexpr double least_hidden_mm = 0.3;  // of r: less is not worth a number
 constexpr double tilt_sd = 0.01;         // of the camera about its axis, rad
 
 /// Where the surface at rest may be off: between the last that was seen and the rim, and at neither
-/// of them. Empty if hardly anything is hidden.
+/// of them; if nothing was seen, on the axis, too. Empty if hardly anything is hidden.
 std::vector<double> hidden_places_of(const SuckedBody& sucked) {
     const double end_mm = sucked.rest.r_mm.back(), hidden_mm = end_mm - sucked.seen_to_mm;
     std::vector<double> places;
     if (hidden_mm < least_hidden_mm) return places;
-    for (int k = 1; k <= hidden_places; ++k)
+    for (int k = sucked.seen_to_mm > 0 ? 1 : 0; k <= hidden_places; ++k)
         places.push_back(sucked.seen_to_mm + hidden_mm * k / (hidden_places + 1));
     return places;
 }
 
+/// Of the first guess, from which the surface may have been moved.
 std::string rest_error_text(const SuckedBody& sucked) {
     const std::vector<double> places = hidden_places_of(sucked);
     if (places.empty()) return "";
-    std::string text = fmt::format("rest_error = [{{r_mm = {:.4f}, z_mm = 0}}", sucked.seen_to_mm);
-    for (const double r_mm : places)
-        text +=
-            fmt::format(", {{r_mm = {:.4f}, z_mm = {{value = 0, sd = {}}}}}", r_mm, hidden_sd_mm);
-    return text + fmt::format(", {{r_mm = {:.4f}, z_mm = 0}}]\n", sucked.rest.r_mm.back());
+    const bool is_seen = sucked.seen_to_mm > 0;
+    std::string text = "rest_error = [";
+    if (is_seen) text += fmt::format("{{r_mm = {:.4f}, z_mm = 0}}, ", sucked.seen_to_mm);
+    for (std::size_t k = 0; k < places.size(); ++k)
+        text += fmt::format("{{r_mm = {:.4f}, z_mm = {{value = {:.6f}, sd = {}}}}}, ", places[k],
+                            sucked.moved_mm.empty() ? 0.0 : -sucked.moved_mm[k],
+                            is_seen ? hidden_sd_mm : unseen_sd_mm);
+    return text + fmt::format("{{r_mm = {:.4f}, z_mm = 0}}]\n", sucked.rest.r_mm.back());
 }
 
 std::string open_from(double start) {
@@ -75,23 +80,27 @@ AspirationBody body_of(const AspirationSettings& settings, const SuckedBody& suc
 
 }  // namespace
 
-RestSurface corrected_rest(const SuckedBody& sucked, const std::vector<double>& error_mm,
-                           double hole_radius_mm, double edge_radius_mm) {
-    std::vector<double> r_mm = hidden_places_of(sucked), z_mm = error_mm;
-    r_mm.insert(r_mm.begin(), sucked.seen_to_mm);
-    z_mm.insert(z_mm.begin(), 0);
-    r_mm.push_back(sucked.rest.r_mm.back());
+void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm, double hole_radius_mm,
+               double edge_radius_mm) {
+    std::vector<double> r_mm = hidden_places_of(sucked), z_mm = by_mm;
+    if (sucked.seen_to_mm > 0) {
+        r_mm.insert(r_mm.begin(), sucked.seen_to_mm);
+        z_mm.insert(z_mm.begin(), 0);
+    }
+    RestSurface& rest = sucked.rest;
+    const double end_mm = rest.r_mm.back();
+    r_mm.push_back(end_mm);
     z_mm.push_back(0);
-    RestSurface rest = sucked.rest;
     for (std::size_t k = 0; k + 1 < rest.r_mm.size(); ++k)
         for (std::size_t p = 1; p < r_mm.size(); ++p) {
             const double share = (rest.r_mm[k] - r_mm[p - 1]) / (r_mm[p] - r_mm[p - 1]);
-            if (share <= 0 || share > 1) continue;
+            if (share < 0 || share >= 1) continue;
             const double z = rest.z_mm[k] + z_mm[p - 1] + share * (z_mm[p] - z_mm[p - 1]);
-            rest.z_mm[k] =
-                below_tube(rest.r_mm[k], std::max(0.0, z), hole_radius_mm, edge_radius_mm);
+            rest.z_mm[k] = below_tube(rest.r_mm[k], hidden_height(rest.r_mm[k], z, end_mm),
+                                      hole_radius_mm, edge_radius_mm);
         }
-    return rest;
+    sucked.moved_mm.resize(by_mm.size(), 0.0);
+    for (std::size_t k = 0; k < by_mm.size(); ++k) sucked.moved_mm[k] += by_mm[k];
 }
 
 std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/apps/aspirate/fit_input.hpp"
 
@@ -17,12 +18,14 @@ struct SuckedBody {
     double seen_to_mm = 0;  ///< r up to which `rest` was seen; beyond it is a guess
     SuctionSteps steps;
     TissueStart start;
+    std::vector<double> moved_mm =
+        {};  ///< [hidden places] by which `rest` was moved from its guess
 };
 
-/// The surface at rest, its hidden part higher by what a fit found of `rest_error` [places of the
-/// experiment's text], and still below the tube.
-RestSurface corrected_rest(const SuckedBody& sucked, const std::vector<double>& error_mm,
-                           double hole_radius_mm, double edge_radius_mm);
+/// Moves the hidden part of the surface at rest by what a fit found of `rest_error` [numbers of the
+/// experiment's text that are open], still below the tube. The prior stays where the guess was.
+void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm, double hole_radius_mm,
+               double edge_radius_mm);
 
 /// The model of a law with `num_terms` relaxation terms, whose numbers are those of the start.
 std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,

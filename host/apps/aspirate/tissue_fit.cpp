@@ -31,7 +31,7 @@ std::string name_of_model(const std::string& law, int num_terms) {
 }
 
 constexpr int most_rest_rounds = 4;
-constexpr double settled_rest_mm = 0.01;
+constexpr double settled_rest_mm = 0.01, most_left_rest_mm = 0.05;
 /// Until then a fit is only good for the surface.
 constexpr double gain_for_rest = 0.2;
 constexpr int noise_rounds_for_rest = 2;
@@ -97,8 +97,8 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
             report_progress(progress, "fit", 0, tried.name);
             found = fit(problem, options, progress);
         } else {
-            sucked.rest = corrected_rest(sucked, error_mm, 0.5 * settings.hole_diameter_mm.value,
-                                         settings.edge_radius_mm.value);
+            move_rest(sucked, error_mm, 0.5 * settings.hole_diameter_mm.value,
+                      settings.edge_radius_mm.value);
             for (const Eigen::Index k : errors) options.start[k] = 0;
         }
         num_simulation += problem.num_simulation();
@@ -109,6 +109,14 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = num_simulation + problem.num_simulation();
     check_mesh(configure, found, progress, model_sd_ln);
+    double left_mm = 0;
+    for (const Eigen::Index k : rest_errors_of(*tried.experiment))
+        left_mm = std::max(left_mm, std::abs(found.fit.values[k]));
+    if (left_mm > most_left_rest_mm)
+        found.mesh_check_sentence += fmt::format(
+            " Warning: of the surface at rest that the rim hides {:.2f} mm are in the heights but "
+            "not in the body; begin to film tissue that stands higher, or a thinner rim.",
+            left_mm);
     found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return tried;
 }
