@@ -38,6 +38,7 @@ constexpr int noise_rounds_for_rest = 2;
 /// Of each number of the tissue: what outlines, the guess of the rest and contact at the rim leave
 /// that no residual shows. Of rendered films (docs/aspiration.md).
 constexpr double model_sd_ln = 0.03;
+constexpr double most_instrument_sd = 3;  ///< of its prior, within which the instrument is believed
 
 /// Places of `rest_error` among an experiment's numbers.
 std::vector<Eigen::Index> rest_errors_of(const Experiment& experiment) {
@@ -54,6 +55,23 @@ void take_start(const Fit& found, FitOptions& options) {
     options.discrepancy.given.clear();
     for (Index b = 0; b < found.noise->num_block(); ++b)
         options.discrepancy.given.push_back(found.noise->discrepancy(b));
+}
+
+/// A warning for each number of the instrument that came out far from what was told of it.
+std::string far_instrument(const std::vector<IdentifiedParameter>& parameters) {
+    std::string text;
+    for (const IdentifiedParameter& one : parameters) {
+        const Parameter& told = one.parameter;
+        if (!told.is_nuisance || !told.has_prior()) continue;
+        const double sds =
+            std::abs(to_transformed(told, one.value) - to_transformed(told, told.median)) / told.sd;
+        if (sds > most_instrument_sd)
+            text += fmt::format(
+                " Warning: {} came out {:.1f} sd from what was told; measure it, and do not "
+                "believe the tissue before.",
+                label_of(told), sds);
+    }
+    return text;
 }
 
 /// One law with one number of relaxation terms. What a fit finds of the hidden part of the surface
@@ -109,6 +127,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = num_simulation + problem.num_simulation();
     check_mesh(configure, found, progress, model_sd_ln);
+    found.mesh_check_sentence += far_instrument(found.identified.parameters);
     double left_mm = 0;
     for (const Eigen::Index k : rest_errors_of(*tried.experiment))
         left_mm = std::max(left_mm, std::abs(found.fit.values[k]));
