@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "host/estimate/posterior.hpp"
 #include "solver/base/error.hpp"
