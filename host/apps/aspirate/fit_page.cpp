@@ -162,6 +162,13 @@ const TriedModel& AspirationFit::best() const {
     });
 }
 
+std::vector<std::string> AspirationFit::warnings() const {
+    std::vector<std::string> all = input.warnings;
+    const std::vector<std::string>& more = best().warnings;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
 ResultTree fit_tree(const AspirationFit& fit) {
     ResultTree tree = identified_tree(*fit.best().found);
     tree.name = "aspiration";
@@ -192,7 +199,7 @@ ResultTree fit_tree(const AspirationFit& fit) {
                     .value = fit.suction.peak_kpa(),
                     .unit = "kPa",
                     .title = "Largest suction"});
-    seen.add("warnings", fit.input.warnings);
+    seen.add("warnings", fit.warnings());
     tree.add(std::move(seen));
     ResultTree models{.name = "models",
                       .title = fit.models.size() > 1 ? "Laws that were tried" : "",
@@ -222,14 +229,14 @@ ResultTree fit_tree(const AspirationFit& fit) {
 
 std::string fit_text(const AspirationFit& fit) {
     std::string text = harmless(fit.best().name) + "\n" + identified_text(*fit.best().found);
-    for (const std::string& warning : fit.input.warnings)
+    for (const std::string& warning : fit.warnings())
         text += "Warning: " + harmless(warning) + ".\n";
     return text;
 }
 
 std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const FilmOutlines* film) {
     std::string notices;
-    for (const std::string& warning : fit.input.warnings)
+    for (const std::string& warning : fit.warnings())
         notices += "<p class='notice'>" + escape_html(warning) + ".</p>";
     std::string profiles;
     for (const Picture& picture : identified_pictures(*fit.best().found))

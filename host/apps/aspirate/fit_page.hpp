@@ -17,6 +17,7 @@ struct TriedModel {
     std::string name, experiment_toml;
     std::shared_ptr<const Experiment> experiment;
     std::shared_ptr<IdentifiedExperiment> found;  ///< of `experiment`
+    std::vector<std::string> warnings = {};
 };
 
 /// All that a fit of an aspiration is told of.
@@ -25,6 +26,9 @@ struct AspirationFit {
     AspirationFitInput input;
     Suction suction;
     std::vector<TriedModel> models;
+
+    /// Of what was read and of the best model.
+    std::vector<std::string> warnings() const;
 
     /// Of the highest evidence.
     const TriedModel& best() const;

@@ -40,12 +40,13 @@ constexpr int noise_rounds_for_rest = 2;
 constexpr double model_sd_ln = 0.03;
 constexpr double most_instrument_sd = 3;  ///< of its prior, within which the instrument is believed
 
+bool is_rest_error(const std::string& path) { return path.find("rest_error") != std::string::npos; }
+
 /// Places of `rest_error` among an experiment's numbers.
 std::vector<Eigen::Index> rest_errors_of(const Experiment& experiment) {
     std::vector<Eigen::Index> found;
     for (std::size_t k = 0; k < experiment.paths().size(); ++k)
-        if (experiment.paths()[k].find("rest_error") != std::string::npos)
-            found.push_back(Eigen::Index(k));
+        if (is_rest_error(experiment.paths()[k])) found.push_back(Eigen::Index(k));
     return found;
 }
 
@@ -57,21 +58,34 @@ void take_start(const Fit& found, FitOptions& options) {
         options.discrepancy.given.push_back(found.noise->discrepancy(b));
 }
 
-/// A warning for each number of the instrument that came out far from what was told of it.
-std::string far_instrument(const std::vector<IdentifiedParameter>& parameters) {
-    std::string text;
-    for (const IdentifiedParameter& one : parameters) {
+/// For each number of the instrument that came out far from what was told of it, and for a surface
+/// at rest that was not found.
+std::vector<std::string> warnings_of(const IdentifiedExperiment& found) {
+    std::vector<std::string> warnings;
+    double left_mm = 0;
+    for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
+        const IdentifiedParameter& one = found.identified.parameters[k];
         const Parameter& told = one.parameter;
+        if (is_rest_error(found.experiment.paths()[k])) {
+            left_mm = std::max(left_mm, std::abs(found.fit.values[Eigen::Index(k)]));
+            continue;
+        }
         if (!told.is_nuisance || !told.has_prior()) continue;
         const double sds =
             std::abs(to_transformed(told, one.value) - to_transformed(told, told.median)) / told.sd;
         if (sds > most_instrument_sd)
-            text += fmt::format(
-                " Warning: {} came out {:.1f} sd from what was told; measure it, and do not "
-                "believe the tissue before.",
-                label_of(told), sds);
+            warnings.push_back(
+                fmt::format("{} came out {:.1f} sd from what was expected of it; measure it, and "
+                            "do not believe the tissue before",
+                            label_of(told), sds));
     }
-    return text;
+    if (left_mm > most_left_rest_mm)
+        warnings.push_back(
+            fmt::format("{:.2f} mm of the surface at rest that the rim hides are in the heights "
+                        "but not in the body; film tissue that stands higher, or take a thinner "
+                        "rim",
+                        left_mm));
+    return warnings;
 }
 
 /// One law with one number of relaxation terms. What a fit finds of the hidden part of the surface
@@ -127,15 +141,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = num_simulation + problem.num_simulation();
     check_mesh(configure, found, progress, model_sd_ln);
-    found.mesh_check_sentence += far_instrument(found.identified.parameters);
-    double left_mm = 0;
-    for (const Eigen::Index k : rest_errors_of(*tried.experiment))
-        left_mm = std::max(left_mm, std::abs(found.fit.values[k]));
-    if (left_mm > most_left_rest_mm)
-        found.mesh_check_sentence += fmt::format(
-            " Warning: of the surface at rest that the rim hides {:.2f} mm are in the heights but "
-            "not in the body; begin to film tissue that stands higher, or a thinner rim.",
-            left_mm);
+    tried.warnings = warnings_of(found);
     found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return tried;
 }
