@@ -4,6 +4,9 @@
 
 #include <array>
 #include <span>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
 #include "solver/equilibrium/viscous_response.hpp"
 
@@ -17,9 +20,19 @@ struct ElementChange {
     std::span<const Tensor3<double>> prestress = {};  ///< [points] kPa; empty: none
 };
 
+/// What of a point serves all changes: what relaxes, if anything does.
+template <class Law>
+auto relaxing_at(const Law& law, const typename Law::State& state) {
+    if constexpr (is_viscous_step<Law>)
+        return law.relaxing_at(state);
+    else
+        return std::monostate{};
+}
+
 /// dP at point q while H stays, of a law or a viscous step.
-template <class Law, class State>
-Tensor3<double> held_stress_change(const Law& law, const State& state, std::size_t q,
+template <class Law, class Relaxing>
+Tensor3<double> held_stress_change(const Law& law, const typename Law::State& state,
+                                   const Relaxing& relaxing, std::size_t q,
                                    const ElementChange& change) {
     Tensor3<double> sum{};
     for (std::size_t k = 0; k < change.parameters.size(); ++k)
@@ -28,7 +41,7 @@ Tensor3<double> held_stress_change(const Law& law, const State& state, std::size
             sum = sum_of(1.0, sum, change.parameters[k],
                          law.parameter_stress(state, static_cast<int>(k)));
     if constexpr (is_viscous_step<Law>) {
-        if (change.factor != 0) sum = sum_of(1.0, sum, change.factor, law.factor_stress(state));
+        if (change.factor != 0) sum = sum_of(1.0, sum, change.factor, relaxing.stress);
         if (!change.prestress.empty())
             sum = sum_of(1.0, sum, 1.0, law.prestress_stress(state, change.prestress[q]));
     }
@@ -42,15 +55,19 @@ void add_force_changes(const SolidModel& model, const LawAt& law_at, const Eleme
                        std::span<std::array<Vec3, most_element_nodes>> forces) {
     with_response(model, law_at, element, u, [&](const auto& response) {
         if (!response.is_valid()) return;
+        std::vector<PointTensors> stress(changes.size());
+        for (std::size_t q = 0; q < element.geometry.size(); ++q) {
+            const auto& law = response.law(q);
+            const auto& state = response.state(q);
+            const auto relaxing = relaxing_at(law, state);
+            for (std::size_t c = 0; c < changes.size(); ++c)
+                stress[c][q] = held_stress_change(law, state, relaxing, q, changes[c]);
+        }
         for (std::size_t c = 0; c < changes.size(); ++c) {
-            PointTensors stress;
+            response.pull_back(stress[c]);
             for (std::size_t q = 0; q < element.geometry.size(); ++q)
-                stress[q] = held_stress_change(response.law(q), response.state(q), q, changes[c]);
-            response.pull_back(stress);
-            for (std::size_t q = 0; q < element.geometry.size(); ++q)
-                for (std::size_t a = 0; a < element.nodes.size(); ++a)
-                    forces[c][a] +=
-                        element.geometry[q].volume * force_on(stress[q], element.geometry[q], a);
+                add_force(point_of(element, element.geometry[q]), stress[c][q],
+                          forces[c][0].data());
         }
     });
 }
@@ -65,20 +82,27 @@ void relaxing_stress_changes(const SolidModel& model, const LawAt& law_at,
                              const Store& store) {
     with_response(model, law_at, element, u, [&](const auto& response) {
         if (!response.is_valid()) return;
+        std::vector<PointTensors> along(changes.size());
         for (std::size_t c = 0; c < changes.size(); ++c) {
             const double* column = du.col(static_cast<Eigen::Index>(c)).data();
-            PointTensors given{}, along{};
+            PointTensors given{};
             for (std::size_t q = 0; q < element.geometry.size(); ++q)
                 given[q] = displacement_gradient(point_of(element, element.geometry[q]),
                                                  element.nodes.data(), column);
-            response.law_directions(given, along);
-            for (std::size_t q = 0; q < element.geometry.size(); ++q) {
-                const auto& law = response.law(q);
-                const auto& state = response.state(q);
+            response.law_directions(given, along[c]);
+        }
+        for (std::size_t q = 0; q < element.geometry.size(); ++q) {
+            const auto& law = response.law(q);
+            const auto& state = response.state(q);
+            const auto relaxing = law.relaxing_at(state);
+            for (std::size_t c = 0; c < changes.size(); ++c) {
                 // H of the law follows the displacements, and in plane stress the held change.
-                const auto held = held_stress_change(law, state, q, changes[c]);
-                const auto dh = sum_of(1.0, along[q], 1.0, response.held_direction(q, held));
-                store(c, q, law.relaxing_stress_change(state, dh, changes[c].parameters));
+                Tensor3<double> dh = along[c][q];
+                if constexpr (follows_held_stress<std::decay_t<decltype(response)>>)
+                    dh = sum_of(1.0, dh, 1.0,
+                                response.held_direction(
+                                    q, held_stress_change(law, state, relaxing, q, changes[c])));
+                store(c, q, law.relaxing_stress_change(state, relaxing, dh, changes[c].parameters));
             }
         }
     });

@@ -160,7 +160,8 @@ bool EquilibriumSolve::advance_walls(double load, State& state) {
     for (Eigen::Index d = 0; d < change.size(); ++d)
         // K_ff du_f = -K_fp du_p: the rest follows the prescribed as the tangent says.
         if (solid_.model().prescribed[d]) change[d] = displacement_at(d, load) - state.u[d];
-    if (!find_change(state, Eigen::VectorXd::Zero(change.size()), change)) return false;
+    if (!change.isZero(0) && !find_change(state, Eigen::VectorXd::Zero(change.size()), change))
+        return false;
     State next = state_at(state.u + change, load);
     if (!next.inner.is_valid) {
         failure_ = "matter inverts";

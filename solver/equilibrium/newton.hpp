@@ -57,6 +57,8 @@ struct Equilibrium {
     std::vector<NewtonRecord> records;
     /// What was solved with, for gradients (`solid_gradient`); valid as long as the assembly is.
     std::shared_ptr<TangentSolve> tangent;
+    /// Of a history with relaxation while its observer sees it: `SolidAssembly::relaxing_stress`.
+    std::vector<Tensor3<double>> relaxing_stress;
 };
 
 /// Where a load path begins: an equilibrium under these loads. Empty: at rest, without load.

@@ -64,4 +64,11 @@ private:
     std::array<std::optional<PointResponse>, most_element_points> points_;
 };
 
+/// Whether a response's H follows stresses that change while the given H stays
+/// (`held_direction`).
+template <class Response>
+inline constexpr bool follows_held_stress = false;
+template <class Law>
+inline constexpr bool follows_held_stress<Pointwise<PlaneStressResponse<Law>>> = true;
+
 }  // namespace palpate

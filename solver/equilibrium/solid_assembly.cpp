@@ -125,18 +125,20 @@ template <class Work>
 void SolidAssembly::Tables::for_each_element(Work&& work) const {
     const std::vector<Index>& starts = parts.elements.offsets;
     // Colours one after the other; the parts of a colour share no node and go side by side.
-    const Index smallest_part = model.mesh.num_elements() < fewest_elements_to_share
-                                    ? model.mesh.num_elements()
-                                    : parts_per_thread;
+    const bool is_shared = model.mesh.num_elements() >= fewest_elements_to_share;
     for (Index c = 0; c < parts.parts.num_lists(); ++c) {
         const Index first = parts.parts.offsets[c], count = parts.parts.offsets[c + 1] - first;
-        parallel_ranges(count, smallest_part, [&](Index begin, Index end) {
+        const auto range = [&](Index begin, Index end) {
             for (Index k = begin; k < end; ++k) {
                 const Index part = parts.parts.items[first + k];
                 for (Index e = starts[part]; e < starts[part + 1]; ++e)
                     work(parts.elements.items[e]);
             }
-        });
+        };
+        if (is_shared)
+            parallel_ranges(count, parts_per_thread, range);
+        else
+            range(0, count);
     }
 }
 

@@ -182,10 +182,10 @@ bool TangentSolve::refine(const Eigen::MatrixXd& r, double tolerance, bool is_tr
 bool TangentSolve::refine_columns(const Eigen::MatrixXd& r, double tolerance, bool is_transposed,
                                   Eigen::MatrixXd& x) const {
     x.resize(r.rows(), r.cols());
+    if (solver_->is_direct() && free_.count <= most_block_dofs)
+        return refine(r, tolerance, is_transposed, x);
     std::atomic<bool> is_solved{true};
-    const bool goes_at_once = solver_->is_direct() && free_.count <= most_block_dofs;
-    const Index least = goes_at_once ? static_cast<Index>(r.cols()) : 1;
-    parallel_ranges(static_cast<Index>(r.cols()), least, [&](Index begin, Index end) {
+    parallel_ranges(static_cast<Index>(r.cols()), 1, [&](Index begin, Index end) {
         const Index count = end - begin;
         if (!refine(r.middleCols(begin, count), tolerance, is_transposed,
                     x.middleCols(begin, count)))

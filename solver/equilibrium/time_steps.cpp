@@ -52,11 +52,13 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
         if (has_relaxation(model)) history.begin_step(dt_s, solid);
         start.guess = guess_at(states, guesses);
         states.push_back(solve_equilibrium(solid, at.loads, options, start, progress));
-        if (observer) observer(solid, states.back());
-        const auto tangent =
-            std::move(states.back().tangent);  // the assembly ends with this function
-        if (!states.back().converged) break;
-        if (has_relaxation(model)) history.end_step(dt_s, solid, states.back().displacement);
+        Equilibrium& found = states.back();
+        if (found.converged && has_relaxation(model))
+            found.relaxing_stress = solid.relaxing_stress(found.displacement);
+        if (observer) observer(solid, found);
+        const auto tangent = std::move(found.tangent);  // the assembly ends with this function
+        if (!found.converged) break;
+        if (has_relaxation(model)) history.end_step(dt_s, std::move(found.relaxing_stress));
         start = {states.back().displacement, at.loads.force, at.loads.obstacle_motion,
                  states.back().contact.friction, at.loads.pressure_kpa};
         start.tangent = tangent;

@@ -72,18 +72,17 @@ void ViscousHistory::begin_step(double dt_s, SolidAssembly& solid) const {
     solid.set_viscous_step(std::move(factor), std::move(prestress));
 }
 
-void ViscousHistory::end_step(double dt_s, const SolidAssembly& solid, const Eigen::VectorXd& u) {
+void ViscousHistory::end_step(double dt_s, std::vector<Tensor3<double>> stress) {
     const std::vector<RelaxationStep> by_material = steps(dt_s);
-    std::vector<Tensor3<double>> next = solid.relaxing_stress(u);
-    for (std::size_t p = 0; p < next.size(); ++p) {
+    for (std::size_t p = 0; p < stress.size(); ++p) {
         const RelaxationStep& step = by_material[material_of(p)];
         // h_k' = exp(-x) h_k + c_k (S' - S_n) (method.md, 9.6)
-        const auto change = sum_of(1.0, next[p], -1.0, now_.stress[p]);
+        const auto change = sum_of(1.0, stress[p], -1.0, now_.stress[p]);
         for (std::size_t k = 0; k < step.terms.size(); ++k)
             now_.terms[p][k] =
                 sum_of(step.terms[k].kept, now_.terms[p][k], step.terms[k].part, change);
     }
-    now_.stress = std::move(next);
+    now_.stress = std::move(stress);
 }
 
 std::vector<Tensor3<double>> ViscousHistory::stress_slope(double dt_s,

@@ -36,7 +36,11 @@ public:
     /// Makes `solid` answer as a step of dt_s from here does.
     void begin_step(double dt_s, SolidAssembly& solid) const;
     /// The step has led to u [3 num_nodes] mm.
-    void end_step(double dt_s, const SolidAssembly& solid, const Eigen::VectorXd& u);
+    void end_step(double dt_s, const SolidAssembly& solid, const Eigen::VectorXd& u) {
+        end_step(dt_s, solid.relaxing_stress(u));
+    }
+    /// It has led to these stresses that relax, `SolidAssembly::relaxing_stress`.
+    void end_step(double dt_s, std::vector<Tensor3<double>> stress);
 
     /// S, [points].
     const std::vector<Tensor3<double>>& stress() const { return now_.stress; }

@@ -20,9 +20,12 @@ constexpr bool gives_viscous_step = is_viscous_step<LawOf<std::decay_t<LawAt>>>;
 template <class Response>
 void stress_slopes(const Response& response, const ElementPoints& element,
                    std::span<const Tensor3<double>> slope, PointTensors& stress) {
-    for (std::size_t q = 0; q < element.geometry.size(); ++q)
-        stress[q] = response.law(q).relaxing_stress_slope(
-            response.state(q), scaled(slope[q], 1 / element.geometry[q].volume));
+    for (std::size_t q = 0; q < element.geometry.size(); ++q) {
+        const auto& law = response.law(q);
+        const auto& state = response.state(q);
+        stress[q] = law.relaxing_stress_slope(state, law.relaxing_at(state),
+                                              scaled(slope[q], 1 / element.geometry[q].volume));
+    }
 }
 
 /// Derivative by the element's displacements of the sum of slope : S, S the second Piola stress
@@ -73,7 +76,9 @@ void add_viscous_slopes(const SolidModel& model, const LawAt& law_at, const Elem
                 scaled(sum_of(1.0, given[q], 1.0, response.held_direction(q, stress[q])), volume);
             sums.prestress[q] =
                 sum_of(1.0, sums.prestress[q], 1.0, law.prestress_slope(state, on_stress));
-            sums.factor += double_dot(law.factor_stress(state), on_stress);
+            // by the factor: the stress of what relaxes
+            const auto relaxing = law.relaxing_at(state);
+            sums.factor += double_dot(relaxing.stress, on_stress);
             // slope : dS = F^-T slope : dP of what relaxes
             const auto on_relaxing =
                 inverse_transposed_times<LawOf<LawAt>::small_strain>(state.h, slope[q]);
@@ -81,7 +86,7 @@ void add_viscous_slopes(const SolidModel& model, const LawAt& law_at, const Elem
                 const int parameter = static_cast<int>(k);
                 sums.parameters[k] +=
                     double_dot(law.parameter_stress(state, parameter), on_stress) +
-                    double_dot(law.relaxing_parameter_stress(state, parameter), on_relaxing);
+                    double_dot(law.relaxing_parameter_stress(relaxing, parameter), on_relaxing);
             }
         }
     });

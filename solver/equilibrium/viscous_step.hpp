@@ -124,6 +124,18 @@ struct ViscousStep {
     Relaxation relaxation;
     Tensor3<double> prestress{};  ///< symmetric, kPa
 
+    /// What relaxes at one state, for any number of changes there.
+    struct Relaxing {
+        std::decay_t<decltype(std::declval<const Relaxation&>().state_of_part(
+            std::declval<const typename Relaxation::State&>()))>
+            part;
+        Tensor3<double> stress;  ///< first Piola, kPa
+    };
+    Relaxing relaxing_at(const State& s) const {
+        const auto part = relaxation.state_of_part(s.relaxing);
+        return {part, relaxation.part().stress(part)};
+    }
+
     State state(const Tensor3<double>& h) const {
         const auto relaxing = relaxation.state(h);
         return {relaxing, h, relaxing.is_valid};
@@ -146,33 +158,32 @@ struct ViscousStep {
         return relaxation.parameter_stress(s.relaxing, k);
     }
 
-    /// By the factor: the first Piola stress of what relaxes.
-    Tensor3<double> factor_stress(const State& s) const {
-        return relaxation.part().stress(relaxation.state_of_part(s.relaxing));
-    }
     /// By a parameter: the first Piola stress of what relaxes.
-    Tensor3<double> relaxing_parameter_stress(const State& s, int k) const {
-        return relaxation.part().parameter_stress(relaxation.state_of_part(s.relaxing), k);
+    Tensor3<double> relaxing_parameter_stress(const Relaxing& r, int k) const {
+        return relaxation.part().parameter_stress(r.part, k);
     }
     /// Derivative of slope : S by H:
     ///   A[G] - G S,  G = F^-T slope,  A the tangent of what relaxes
-    Tensor3<double> relaxing_stress_slope(const State& s, const Tensor3<double>& slope) const {
+    Tensor3<double> relaxing_stress_slope(const State& s, const Relaxing& r,
+                                          const Tensor3<double>& slope) const {
         const Tensor3<double> g = inverse_transposed_times<small_strain>(s.h, slope);
-        const Tensor3<double> change = tangent_of_part(s, g);
+        const Tensor3<double> change = relaxation.part().tangent_apply(r.part, g);
         if constexpr (small_strain) return change;
-        return sum_of(1.0, change, -1.0, times(g, second_piola(relaxation.part(), s.h)));
+        return sum_of(1.0, change, -1.0, times(g, inverse_times<small_strain>(s.h, r.stress)));
     }
     /// The change of S with H and with parameters of the law, per unit [parameters]:
     ///   dS = F^-1 (A[dH] + sum dP/dp_k dp_k - dH S)
-    Tensor3<double> relaxing_stress_change(const State& s, const Tensor3<double>& dh,
+    Tensor3<double> relaxing_stress_change(const State& s, const Relaxing& r,
+                                           const Tensor3<double>& dh,
                                            std::span<const double> parameters) const {
-        Tensor3<double> change = tangent_of_part(s, dh);
+        Tensor3<double> change = relaxation.part().tangent_apply(r.part, dh);
         for (std::size_t k = 0; k < parameters.size(); ++k)
             if (parameters[k] != 0)
                 change = sum_of(1.0, change, parameters[k],
-                                relaxing_parameter_stress(s, static_cast<int>(k)));
+                                relaxing_parameter_stress(r, static_cast<int>(k)));
         if constexpr (!small_strain)
-            change = sum_of(1.0, change, -1.0, times(dh, second_piola(relaxation.part(), s.h)));
+            change = sum_of(1.0, change, -1.0,
+                            times(dh, inverse_times<small_strain>(s.h, r.stress)));
         return inverse_times<small_strain>(s.h, change);
     }
     /// What a change of `prestress` adds to P: F dQ.
@@ -190,9 +201,6 @@ struct ViscousStep {
     }
 
 private:
-    Tensor3<double> tangent_of_part(const State& s, const Tensor3<double>& dh) const {
-        return relaxation.part().tangent_apply(relaxation.state_of_part(s.relaxing), dh);
-    }
     /// p + (identity I + h) prestress, the last term without h for small strains.
     Tensor3<double> with_prestress(const Tensor3<double>& p, const Tensor3<double>& h,
                                    double identity) const {

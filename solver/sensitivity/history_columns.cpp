@@ -88,11 +88,15 @@ HistoryColumns::ContactChanges HistoryColumns::contact_changes() const {
     return changes;
 }
 
-void HistoryColumns::end_step(const SolidAssembly& solid, const Eigen::VectorXd& u,
+void HistoryColumns::end_step(const SolidAssembly& solid, const Equilibrium& found,
                               const Changes& changes, const ColumnsAtTime& columns) {
     const double dt_s = time_s_[next_] - (next_ == 0 ? 0 : time_s_[next_ - 1]);
+    const Eigen::VectorXd& u = found.displacement;
     ViscousHistory after = history_;
-    after.end_step(dt_s, solid, u);
+    if (found.relaxing_stress.empty())
+        after.end_step(dt_s, solid, u);
+    else
+        after.end_step(dt_s, found.relaxing_stress);
     // dS' by the displacements that follow and by the parameters, then dh_k' (method.md, 9.16)
     auto stress = solid.relaxing_stress_changes(u, columns.displacement, changes);
     for (std::size_t c = 0; c < directions_.size(); ++c)
@@ -149,7 +153,7 @@ ColumnsAtTime HistoryColumns::advance(const SolidAssembly& solid, const Equilibr
             columns.contact_force[k].col(static_cast<Eigen::Index>(c)) = of_contact[c].force[k];
         friction_before_[c] = std::move(of_contact[c].friction);
     }
-    if (has_relaxation(*model_)) end_step(solid, u, changes, columns);
+    if (has_relaxation(*model_)) end_step(solid, found, changes, columns);
     displacement_before_ = columns.displacement;
     ++next_;
     return columns;

@@ -56,7 +56,7 @@ private:
     SolidLoads loads_change(std::size_t column, std::size_t time) const;
     Eigen::VectorXd following_force(const Eigen::VectorXd& u,
                                     const std::vector<double>& pressure_kpa) const;
-    void end_step(const SolidAssembly& solid, const Eigen::VectorXd& u, const Changes& changes,
+    void end_step(const SolidAssembly& solid, const Equilibrium& found, const Changes& changes,
                   const ColumnsAtTime& columns);
 
     const SolidModel* model_;
