@@ -258,6 +258,18 @@ TEST(AutomaticEquilibrium, TakesTheDeviceForLargeOnes) {
     EXPECT_EQ(used.device.backend, backend);
 }
 
+TEST(AutomaticEquilibrium, FactorisesPlaneMeshesOfAnySize) {
+    const SolidMesh mesh =
+        rectangle_mesh(ElementType::quad4, Formulation::axisymmetric, {60, 60}, {3.0, 2.0});
+    ASSERT_GT(3 * mesh.num_nodes(), 10000);
+
+    const LinearSolverInfo used =
+        solver_of(pulled(solid_model(mesh, solid_materials()[1])),
+                  {.method = LinearMethod::automatic, .backend = backend_names().front()});
+
+    EXPECT_EQ(used.method, LinearMethod::direct);
+}
+
 TEST(AutomaticEquilibrium, FactorisesWhereThereIsNoSuchDevice) {
     if (backend_names().front() != "opencl") GTEST_SKIP() << "OpenCL is not in this build";
 
