@@ -182,8 +182,8 @@ struct ViscousStep {
                 change = sum_of(1.0, change, parameters[k],
                                 relaxing_parameter_stress(r, static_cast<int>(k)));
         if constexpr (!small_strain)
-            change = sum_of(1.0, change, -1.0,
-                            times(dh, inverse_times<small_strain>(s.h, r.stress)));
+            change =
+                sum_of(1.0, change, -1.0, times(dh, inverse_times<small_strain>(s.h, r.stress)));
         return inverse_times<small_strain>(s.h, change);
     }
     /// What a change of `prestress` adds to P: F dQ.
