@@ -36,6 +36,17 @@ def test_pelvis_mr_pair_tells_no_modulus_of_contours_that_are_half_a_millimetre_
         assert zone["interval_kpa"][1] > 50 * zone["interval_kpa"][0]
 
 
+def test_pelvis_mr_pair_has_several_answers_and_each_is_said(tmp_path):
+    """From its usual start the search ends at a transition zone of a thousand kPa, from another at some 25."""
+    config = tmp_path / "organs.toml"
+    text = (ROOT / "examples/pelvis_mr/organs.toml").read_text()
+    config.write_text(text.replace("contour_sd_mm = 0.5", "displacement_sd_mm = 5\ndisplacement_range_mm = 20"))
+    report = recovered_mr_pair(config, tmp_path / "out")
+    zone = next(region for region in report["regions"] if region["label"] == 2)
+    assert zone["verdict"] == "not identifiable"
+    assert "more than one answer" in zone["reason"]
+
+
 def test_pelvis_mr_pair_meets_its_target(tmp_path):
     """Where contours are trusted as far as they fit."""
     data = needed("pelvis_mr_pair_prostatex0001")

@@ -18,6 +18,13 @@ ModulusEvidence clear_evidence() {
     return evidence;
 }
 
+ModulusEvidence other_evidence(double low_kpa, double high_kpa, double sd_ln) {
+    ModulusEvidence evidence = clear_evidence();
+    evidence.interval_kpa = {low_kpa, high_kpa};
+    evidence.sd_ln = evidence.seen_sd_ln = sd_ln;
+    return evidence;
+}
+
 bool says(const Judgement& verdict, const char* text) {
     return verdict.reason.find(text) != std::string::npos;
 }
@@ -53,6 +60,39 @@ TEST(Identifiability, ARigidOrganHasALowerBoundOnly) {
         << verdict.reason;
     evidence.excludes_soft = false;
     EXPECT_EQ(judge(evidence).verdict, Verdict::not_identifiable);
+}
+
+TEST(Identifiability, AnAnswerThatTheIntervalHoldsChangesNothing) {
+    ModulusEvidence evidence = clear_evidence();
+
+    add_answer(evidence, other_evidence(70, 500, 0.5), 110);
+
+    EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 120.0}));
+    EXPECT_EQ(evidence.sd_ln, 0.1);
+    EXPECT_EQ(judge(evidence).verdict, Verdict::recovered);
+}
+
+TEST(Identifiability, ASecondAnswerIsHeldAndNamed) {
+    ModulusEvidence evidence = clear_evidence();
+
+    add_answer(evidence, other_evidence(150, 300, 0.2), 200);
+
+    EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 300.0}));
+    EXPECT_NEAR(evidence.sd_ln, std::log(300.0 / 80.0) / 3.92, 1e-12);
+    const Judgement verdict = judge(evidence);
+    EXPECT_EQ(verdict.verdict, Verdict::weak);
+    EXPECT_TRUE(says(verdict, "ended at 200 kPa")) << verdict.reason;
+}
+
+TEST(Identifiability, AnswersThatSpanThePriorLeaveNothingIdentified) {
+    ModulusEvidence evidence = clear_evidence();
+
+    add_answer(evidence, other_evidence(500, 5000, 0.6), 1500);
+
+    const Judgement verdict = judge(evidence);
+    EXPECT_EQ(verdict.verdict, Verdict::not_identifiable);
+    EXPECT_TRUE(says(verdict, "ended at 1.5e+03 kPa")) << verdict.reason;
+    EXPECT_FALSE(says(verdict, "does not deform enough")) << verdict.reason;
 }
 
 TEST(Identifiability, ModuliThatTradeAreNamed) {

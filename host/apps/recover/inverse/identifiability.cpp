@@ -16,21 +16,32 @@ UnknownEvidence general_evidence(const ModulusEvidence& evidence) {
             evidence.excludes_stiff};
 }
 
-std::string trade_text(const ModulusEvidence& evidence) {
-    if (std::abs(evidence.partner_correlation) <= strong_correlation) return "";
-    return fmt::format(
-        "; its modulus trades with that of {} (correlation {:.2f}): a combination of "
-        "the two is known better than either",
-        evidence.partner, evidence.partner_correlation);
+/// What else there is to know of a modulus.
+std::string further_text(const ModulusEvidence& evidence) {
+    std::string others;
+    for (const double kpa : evidence.other_kpa)
+        others += fmt::format("{}{:.3g}", others.empty() ? "" : " and ", kpa);
+    if (!others.empty())
+        others = fmt::format(
+            "; there is more than one answer: searches that began elsewhere ended at {} kPa",
+            others);
+    if (std::abs(evidence.partner_correlation) <= strong_correlation) return others;
+    return others +
+           fmt::format(
+               "; its modulus trades with that of {} (correlation {:.2f}): a combination of "
+               "the two is known better than either",
+               evidence.partner, evidence.partner_correlation);
 }
 
 Judgement judge_unseen(const ModulusEvidence& evidence) {
     const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
+    const char* why = evidence.other_kpa.empty()
+                          ? ": the organ does not deform enough relative to its surroundings"
+                          : "";
     return {Verdict::not_identifiable,
             fmt::format("the images hardly narrow what was assumed beforehand (ln E {:.2f} "
-                        "against {:.2f} before): the organ does not deform enough relative to "
-                        "its surroundings{}",
-                        left, evidence.prior_sd_ln, trade_text(evidence))};
+                        "against {:.2f} before){}{}",
+                        left, evidence.prior_sd_ln, why, further_text(evidence))};
 }
 
 Judgement judge_one_sided(const ModulusEvidence& evidence, EvidenceCase which) {
@@ -39,15 +50,28 @@ Judgement judge_one_sided(const ModulusEvidence& evidence, EvidenceCase which) {
                 fmt::format("only a lower bound is known, {:.3g} kPa: anything stiffer moves "
                             "almost as a rigid body, and no image can tell how stiff; the upper "
                             "end comes from what was assumed beforehand{}",
-                            evidence.interval_kpa[0], trade_text(evidence))};
+                            evidence.interval_kpa[0], further_text(evidence))};
     }
     return {Verdict::weak,
             fmt::format("only an upper bound is known, {:.3g} kPa: anything softer fits "
                         "as well; the lower end comes from what was assumed beforehand{}",
-                        evidence.interval_kpa[1], trade_text(evidence))};
+                        evidence.interval_kpa[1], further_text(evidence))};
 }
 
 }  // namespace
+
+void add_answer(ModulusEvidence& evidence, const ModulusEvidence& other, double kpa) {
+    auto& [low, high] = evidence.interval_kpa;
+    if (kpa >= low && kpa <= high) return;
+    low = std::min(low, other.interval_kpa[0]);
+    high = std::max(high, other.interval_kpa[1]);
+    // As of one Gaussian of ln E with these for its 95 % interval
+    const double sd_ln = std::min(evidence.prior_sd_ln, std::log(high / low) / (2 * 1.96));
+    evidence.sd_ln = std::max(evidence.sd_ln, sd_ln);
+    evidence.excludes_soft = evidence.excludes_soft && other.excludes_soft;
+    evidence.excludes_stiff = evidence.excludes_stiff && other.excludes_stiff;
+    evidence.other_kpa.push_back(kpa);
+}
 
 Judgement judge(const ModulusEvidence& evidence) {
     const EvidenceCase which = case_of(general_evidence(evidence));
@@ -57,7 +81,7 @@ Judgement judge(const ModulusEvidence& evidence) {
     const Verdict verdict = verdict_of_span(span);
     const int digits = verdict == Verdict::weak ? 1 : 2;
     return {verdict, fmt::format("the 95 % interval spans a factor of {:.{}f}{}", span, digits,
-                                 trade_text(evidence))};
+                                 further_text(evidence))};
 }
 
 std::array<double, 2> told_interval(const ModulusEvidence& evidence, const Judgement& judgement,

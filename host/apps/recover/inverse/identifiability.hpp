@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "host/apps/recover/inverse/poisson_search.hpp"
 #include "host/estimate/judgement.hpp"
@@ -16,9 +17,14 @@ struct ModulusEvidence {
     double sd_ln = 0, prior_sd_ln = 1;         ///< posterior and prior standard deviation of ln E
     double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (posterior.hpp)
     bool excludes_soft = true, excludes_stiff = true;  ///< whether data without prior bound it
-    std::string partner;  ///< the organ whose modulus correlates most; may be empty
+    std::vector<double> other_kpa;  ///< of searches that began elsewhere and ended elsewhere
+    std::string partner;            ///< the organ whose modulus correlates most; may be empty
     double partner_correlation = 0;
 };
+
+/// Another search has ended at `kpa`, with this evidence. If the interval so far does not hold it,
+/// it is widened to hold both answers with all that each leaves open (method.md, 4.7).
+void add_answer(ModulusEvidence& evidence, const ModulusEvidence& other, double kpa);
 
 /// A modulus is *recovered* if its 95 % interval spans at most a factor of 2 and the images bound
 /// it on both sides, *weak* if not, *not identifiable* if the data, or the motion that they show,

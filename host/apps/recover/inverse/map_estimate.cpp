@@ -24,6 +24,7 @@ constexpr int needed_quiet_steps = 3;
 constexpr int tolerated_stalls = 8;
 constexpr int noise_rounds = 4;  // at each linearisation
 constexpr double deeper = 0.1;   // of F, by which another valley must be
+constexpr double same_end_mm = 1.0, same_end_sd = 0.5;
 
 /// How much the objective may rise in an accelerated step: far below what a modulus would notice.
 constexpr double acceptable_rise = 0.05;
@@ -73,7 +74,9 @@ private:
     BestModuli best_moduli(SearchState& state, bool is_scanned);
     bool settle_noise(SearchState& state, BestModuli& best, bool is_scanned);
     bool leaves_valley(SearchState& state);
+    bool is_at_known_end(const SearchState& state) const;
     void record(int iteration, const SearchState& state, const BestModuli& best, double step);
+    MapEstimate known_end(const SearchState& state) const;
     MapEstimate finish(const SearchState& state, const Termination& termination) const;
 
     Eigen::MatrixXd hessian_;  ///< of F, as far as the last linearisation knew it
@@ -157,6 +160,13 @@ bool Search::leaves_valley(SearchState& state) {
     return true;
 }
 
+bool Search::is_at_known_end(const SearchState& state) const {
+    if (!options_.known_end) return false;
+    const KnownEnd& known = *options_.known_end;
+    return largest(state.driven - known.driven) < same_end_mm &&
+           largest((state.theta - known.theta).cwiseQuotient(known.sd_ln)) < same_end_sd;
+}
+
 void Search::record(int iteration, const SearchState& state, const BestModuli& best, double step) {
     IterationRecord entry;
     entry.iteration = iteration;
@@ -186,7 +196,7 @@ MapEstimate Search::run() {
     SearchState state = state_at(
         {Eigen::VectorXd::Zero(model_->driven_dofs()), FrameMotion::Zero(), theta}, nullptr);
     const bool are_walls_open = can_fit_walls(state);
-    state = are_walls_open ? settle_bodies(state) : settle_walls(state);
+    state = are_walls_open ? settle_first(state) : settle_walls(state);
     noise_.take_terraces(state.seen);
     state = recounted(std::move(state));
     if (are_walls_open) state = settle_walls(with_fitted_walls(std::move(state)));
@@ -235,6 +245,7 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
             acceleration.reset();
             continue;
         }
+        if (is_at_known_end(state)) return known_end(state);
         if (is_noise_new) continue;
         const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
         const double objective_changed =
@@ -270,6 +281,14 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
             "the search ended where the objective is not a finite number; check the settings "
             "for extreme values");
     return finish(state, termination);
+}
+
+/// Where another search has been, so that it is told no more of.
+MapEstimate Search::known_end(const SearchState& state) const {
+    MapEstimate estimate;
+    estimate.theta = state.theta;
+    estimate.termination = {true, "another search has ended there", int(records_.size())};
+    return estimate;
 }
 
 MapEstimate Search::finish(const SearchState& state, const Termination& termination) const {

@@ -44,6 +44,8 @@ struct MapEstimate {
     double objective = 0;
     std::vector<IterationRecord> records;
     Termination termination;
+    /// Ends of searches that began elsewhere (method.md, 4.7), what uncertainty says of them alone.
+    std::vector<std::shared_ptr<const MapEstimate>> others;
 };
 
 /// The most probable moduli and wall motion (method.md section 4): Gauss-Newton on the surface
@@ -54,6 +56,13 @@ MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const SurfaceObservations& observations,
                          const std::vector<Unknown>& unknowns, const MapOptions& options,
                          const ProgressSink& progress = {});
+
+/// Searches of the same data whose walls begin otherwise (`FirstWalls`), at the same time, that
+/// have not ended where `found` has. Of the calls of `progress` this thread makes all.
+std::vector<std::shared_ptr<const MapEstimate>> other_ends(
+    const MapEstimate& found, const ResponseModel& model, const WallPrior& walls,
+    const SurfaceObservations& observations, const std::vector<Unknown>& unknowns,
+    const MapOptions& options, const ProgressSink& progress = {});
 
 /// The same, started at an earlier estimate from the same observations with another model, whose
 /// counted rows and their noise are held: the objectives of the two can be compared.

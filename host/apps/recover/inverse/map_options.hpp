@@ -2,12 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 
 namespace palpate {
 
 /// No contours of two images that are further off together (mm) are looked for.
 constexpr double most_contour_mm = 1.5;
+
+/// How walls may move before anything is known of them. Closest points hold a wall along itself
+/// where it came to lie, so that of several valleys the one is found that this leads to.
+enum class FirstWalls {
+    bodies,   ///< as bodies that hardly change their shape, then as expected
+    sliding,  ///< along themselves three times as far as expected, with half the range
+    broad,    ///< along themselves a third as far, with twice the range
+};
+
+/// Where another search of the same target has ended.
+struct KnownEnd {
+    Eigen::VectorXd driven, theta, sd_ln;
+};
 
 struct MapOptions {
     int max_iterations = 40;
@@ -29,6 +43,9 @@ struct MapOptions {
     /// What is expected of the walls' motion is fitted to their own distances (fit_walls).
     bool fit_walls = true;
     double smallest_noise_scale = 1;  ///< lower for surfaces without voxels
+    FirstWalls first_walls = FirstWalls::bodies;
+    /// A search that comes there ends, without intervals.
+    std::optional<KnownEnd> known_end;
     /// The size of the noise and the terraces are held from here on, so that the steps can settle.
     int noise_iterations = 6;
 };

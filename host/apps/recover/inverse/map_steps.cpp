@@ -13,6 +13,7 @@ namespace {
 
 constexpr int most_settling_steps = 10;
 constexpr double stiff_share = 0.25, body_share = 3.0;
+constexpr double other_tangential = 3.0;
 constexpr double first_contour_mm = 1.0, least_contour_mm = 0.05;
 /// How far single points may be off by themselves, in what voxels leave, where contours' errors are
 /// looked for: what is more is theirs. Taken for independent, it would make 400 points of about 50.
@@ -99,6 +100,20 @@ SearchState MapSteps::settle_bodies(SearchState state) {
         walls_ = walls_of(*asked, k == 0 ? scale : expected_scale(*asked));
         state = settle_walls(recounted(std::move(state)), true);
     }
+    walls_ = asked;
+    return recounted(std::move(state));
+}
+
+/// The same as the options say.
+SearchState MapSteps::settle_first(SearchState state) {
+    if (options_.first_walls == FirstWalls::bodies) return settle_bodies(std::move(state));
+    const auto asked = walls_;
+    const bool slides = options_.first_walls == FirstWalls::sliding;
+    WallMotionScale scale = expected_scale(*asked);
+    for (auto& wall : scale.walls) wall.range_mm *= slides ? 0.5 : 2.0;
+    scale.tangential *= slides ? other_tangential : 1 / other_tangential;
+    walls_ = walls_of(*asked, scale);
+    for (int k = 0; k < 3; ++k) state = settle_walls(recounted(std::move(state)), true);
     walls_ = asked;
     return recounted(std::move(state));
 }

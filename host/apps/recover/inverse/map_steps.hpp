@@ -79,6 +79,7 @@ protected:
     LinearisedProblem linearise(const SearchState& state) const;
     SearchState settle_walls(SearchState state, bool is_smooth = false) const;
     SearchState settle_bodies(SearchState state);
+    SearchState settle_first(SearchState state);
     SearchState search_line(const SearchState& from, const SearchPosition& to,
                             double determinant_change, double& length) const;
     NoiseLevel first_level() const;

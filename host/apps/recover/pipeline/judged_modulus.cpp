@@ -30,6 +30,8 @@ ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Se
     evidence.seen_sd_ln = estimate.seen_sd_ln[row];
     evidence.excludes_soft = estimate.excluded_ends[k][0];
     evidence.excludes_stiff = estimate.excluded_ends[k][1];
+    for (const auto& other : estimate.others)
+        add_answer(evidence, evidence_of(*other, k, settings), std::exp(other->theta[row]));
     for (Index other = 0; other < covariance.cols(); ++other) {
         const double correlation =
             covariance(row, other) / std::sqrt(covariance(row, row) * covariance(other, other));

@@ -42,6 +42,8 @@ struct RecoverOptions {
     TissueLaw law;
     int max_rounds = usual_max_rounds;  ///< linearisations at large deformation at most
     MapOptions search;
+    /// Search for several moduli from other places, too, and tell of all answers (method.md, 4.7).
+    bool looks_elsewhere = true;
     NestedOptions nested;                ///< for `nested_lbfgs`
     std::vector<Landmark> landmarks;     ///< measured at the end, not used by the search
     std::filesystem::path save_reduced;  ///< file for the mesh and the reduced model, or empty

@@ -193,9 +193,14 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
     } else {
         found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
                                       mechanics.unknowns, options.search, progress);
+        std::vector<std::shared_ptr<const MapEstimate>> others;
+        if (options.looks_elsewhere && mechanics.unknowns.size() > 1 && options.search.fit_walls)
+            others = other_ends(found.estimate, mechanics.response, mechanics.walls, observations,
+                                mechanics.unknowns, options.search, progress);
         if (finer_mesh && !mechanics.unknowns.empty())
             search_with_mesh_change(found, mechanics, full_solver, *finer_mesh, observations,
                                     options.search, progress);
+        found.estimate.others = std::move(others);
     }
     found.estimate.noise.reset();  // it points into the observations, which end with the search
     timer.start("solving");

@@ -55,7 +55,8 @@ const std::vector<std::string>& not_of_a_plan() {
                                                    "reference_image",
                                                    "target_image",
                                                    "repeated_reference",
-                                                   "max_rounds"};
+                                                   "max_rounds",
+                                                   "one_search"};
     return names;
 }
 
@@ -144,6 +145,10 @@ std::vector<Option> search_options() {
                        "Stiffness at which the search starts; default: the prior's median"),
         Option::integer("max_iterations", 1, 1000, "Of the search")
             .usually(std::int64_t{MapOptions{}.max_iterations}),
+        Option::flag(
+            "one_search",
+            "Do not search from other places where several moduli are unknown: faster, but "
+            "of several answers one is told alone"),
         Option::integer("max_rounds", 1, 100, "Linearisations at large deformation")
             .usually(std::int64_t{usual_max_rounds}),
     };
@@ -184,6 +189,7 @@ RecoverOptions recover_options_of(const OptionValues& values, Settings settings)
     options.solver = solver_of(values);
     options.search.max_iterations = values.integer("max_iterations");
     if (const auto start = values.optional_number("start_kpa")) options.search.start_kpa = *start;
+    options.looks_elsewhere = !values.flag("one_search");
     options.method =
         values.text("method") == "map" ? SearchMethod::map : SearchMethod::nested_lbfgs;
     options.law = tissue_law_of(values.text("material"));
