@@ -109,9 +109,8 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     found.degrees_of_freedom = degrees;
     const double reach = student_reach(degrees);
     const TransformedInterval interval =
-        options.follows_profiles && !found.parameter.is_nuisance
-            ? profiles.interval(k, reach, options.skewness_tolerance)
-            : quadratic_interval(fit.transformed[k], reach * found.sd);
+        !found.parameter.is_nuisance ? profiles.interval(k, reach, options.skewness_tolerance)
+                                     : quadratic_interval(fit.transformed[k], reach * found.sd);
     found.is_profiled = interval.is_profiled;
     found.is_cut = interval.is_cut;
     for (const int side : {0, 1})

@@ -17,10 +17,8 @@ namespace palpate {
 struct IdentifyOptions {
     GaussNewtonOptions gauss_newton;  ///< of the searches along profiles
     /// A profile is followed where, at the quadratic interval's ends, it differs from the quadratic
-    /// rise by more than this share of it.
+    /// rise by more than this share of it. Nuisances have quadratic intervals.
     double skewness_tolerance = 0.2;
-    /// Nuisances have quadratic ones; false: all have (cheap, for plans).
-    bool follows_profiles = true;
     bool judges_far_ends = true;  ///< whether the far ends of ranges are predicted for verdicts
 };
 

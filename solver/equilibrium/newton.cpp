@@ -90,8 +90,9 @@ private:
     EquilibriumStart start_;
     const ProgressSink& progress_;
     std::shared_ptr<TangentSolve> tangent_;
-    bool is_shifted_ = false;  ///< the last tangent
-    std::string failure_;      ///< why the last load step failed
+    bool is_shifted_ = false;    ///< the last tangent
+    bool is_unchecked_ = false;  ///< no tangent was made since the load went on
+    std::string failure_;        ///< why the last load step failed
     std::vector<NewtonRecord> records_;
 };
 
@@ -141,7 +142,7 @@ double EquilibriumSolve::relative_residual(const State& state, double load) cons
 /// tangent is shifted where it is not positive definite: then still a way down.
 bool EquilibriumSolve::find_change(const State& state, const Eigen::VectorXd& r,
                                    Eigen::VectorXd& change) {
-    is_shifted_ = false;
+    is_shifted_ = is_unchecked_ = false;
     // K + shift mean(diag K): 0, 1e-3, 4e-3, .. until it is positive definite; then K^-1 r is a
     // direction in which Pi goes down.
     for (double shift = 0; shift < largest_shift; shift = is_shifted_ ? 4 * shift : 1e-3) {
@@ -160,7 +161,9 @@ bool EquilibriumSolve::advance_walls(double load, State& state) {
     for (Eigen::Index d = 0; d < change.size(); ++d)
         // K_ff du_f = -K_fp du_p: the rest follows the prescribed as the tangent says.
         if (solid_.model().prescribed[d]) change[d] = displacement_at(d, load) - state.u[d];
-    if (!change.isZero(0) && !find_change(state, Eigen::VectorXd::Zero(change.size()), change))
+    // Where none moves there is nothing to find; what the tangent knows of stability is still owed.
+    is_unchecked_ = change.isZero(0);
+    if (!is_unchecked_ && !find_change(state, Eigen::VectorXd::Zero(change.size()), change))
         return false;
     State next = state_at(state.u + change, load);
     if (!next.inner.is_valid) {
@@ -260,7 +263,7 @@ bool EquilibriumSolve::settle(double load, State& state, int most_steps) {
         // itself is positive definite there.
         if (residual <= options_.relative_tolerance) {
             failure_ = "the equilibrium is not stable";
-            return !is_shifted_ || tangent_->factorise(state.u);
+            return !(is_shifted_ || is_unchecked_) || tangent_->factorise(state.u);
         }
         if (residual < near_enough && take_chord_step(load, state)) continue;
         failure_ = fmt::format("{} Newton steps were not enough", most_steps);

@@ -68,6 +68,7 @@ void add_answer(ModulusEvidence& evidence, const ModulusEvidence& other, double 
     // As of one Gaussian of ln E with these for its 95 % interval
     const double sd_ln = std::min(evidence.prior_sd_ln, std::log(high / low) / (2 * 1.96));
     evidence.sd_ln = std::max(evidence.sd_ln, sd_ln);
+    evidence.seen_sd_ln = std::max(evidence.seen_sd_ln, other.seen_sd_ln);
     evidence.excludes_soft = evidence.excludes_soft && other.excludes_soft;
     evidence.excludes_stiff = evidence.excludes_stiff && other.excludes_stiff;
     evidence.other_kpa.push_back(kpa);

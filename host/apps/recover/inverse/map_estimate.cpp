@@ -245,8 +245,8 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
             acceleration.reset();
             continue;
         }
-        if (is_at_known_end(state)) return known_end(state);
         if (is_noise_new) continue;
+        if (!is_noise_open && is_at_known_end(state)) return known_end(state);
         const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
         const double objective_changed =
             k == 1 ? 1e300 : std::abs(records_[k - 1].objective - records_[k - 2].objective);

@@ -58,7 +58,8 @@ MapEstimate map_estimate(const ResponseModel& model, const WallPrior& walls,
                          const ProgressSink& progress = {});
 
 /// Searches of the same data whose walls begin otherwise (`FirstWalls`), at the same time, that
-/// have not ended where `found` has. Of the calls of `progress` this thread makes all.
+/// have converged elsewhere than where `found` has. Of the calls of `progress` this thread makes
+/// all.
 std::vector<std::shared_ptr<const MapEstimate>> other_ends(
     const MapEstimate& found, const ResponseModel& model, const WallPrior& walls,
     const SurfaceObservations& observations, const std::vector<Unknown>& unknowns,

@@ -15,6 +15,12 @@ namespace {
 constexpr std::array other_walls = {FirstWalls::sliding, FirstWalls::broad};
 constexpr auto between_looks = std::chrono::milliseconds(50);
 
+/// Searches that still run when something throws are not waited for to their ends.
+struct StopAtEnd {
+    std::atomic<bool>& is_stopped;
+    ~StopAtEnd() { is_stopped = true; }
+};
+
 /// Without what is only of use while the observations live.
 std::shared_ptr<const MapEstimate> told_of(MapEstimate end) {
     end.posterior.reset();
@@ -31,12 +37,14 @@ std::vector<std::shared_ptr<const MapEstimate>> other_ends(
     const MapEstimate& found, const ResponseModel& model, const WallPrior& walls,
     const SurfaceObservations& observations, const std::vector<Unknown>& unknowns,
     const MapOptions& options, const ProgressSink& progress) {
+    report_progress(progress, "searching", -1, "from other places");
     std::atomic<bool> is_stopped{false};
     const ProgressSink stop = [&](const Progress&) {
         if (is_stopped) throw Error(ErrorCode::cancelled, "another search was stopped");
     };
     std::array<MapOptions, other_walls.size()> begins;
     std::vector<std::future<MapEstimate>> searches;
+    const StopAtEnd stop_at_end{is_stopped};  // before `searches`, which wait, come to their end
     for (std::size_t k = 0; k < other_walls.size(); ++k) {
         begins[k] = options;
         begins[k].first_walls = other_walls[k];
@@ -46,7 +54,6 @@ std::vector<std::shared_ptr<const MapEstimate>> other_ends(
             return map_estimate(model, walls, observations, unknowns, begins[k], stop);
         }));
     }
-    report_progress(progress, "searching", -1, "from other places");
     std::exception_ptr stopped;
     for (const auto& search : searches)
         while (search.wait_for(between_looks) != std::future_status::ready) try {
@@ -59,7 +66,8 @@ std::vector<std::shared_ptr<const MapEstimate>> other_ends(
     std::vector<std::shared_ptr<const MapEstimate>> ends;
     for (auto& search : searches) try {
             MapEstimate end = search.get();
-            if (!end.interval_kpa.empty()) ends.push_back(told_of(std::move(end)));
+            if (!end.interval_kpa.empty() && end.termination.converged)
+                ends.push_back(told_of(std::move(end)));
         } catch (const Error& error) {
             // A way that leads nowhere says nothing of the one that was found.
             if (error.code() != ErrorCode::solve_failed) throw;

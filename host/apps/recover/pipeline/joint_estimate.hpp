@@ -20,10 +20,11 @@ struct JointTarget {
     std::shared_ptr<const ResponseModel> response;
     NoiseLevel noise;
     Eigen::VectorXd mesh_change_ln;  ///< as in MapEstimate
+    bool has_other_answer = false;   ///< what is linearised here is one of several
 };
 
 /// Empty `problem` where the search has none: another method than `map`.
-JointTarget joint_target(const MapEstimate& estimate);
+JointTarget joint_target(const MapEstimate& estimate, const Settings& settings);
 
 /// The moduli of one reference from several of its targets together (JointProblem): the regions of
 /// an unknown modulus that is observed, with interval and verdict. None without unknown moduli.

@@ -57,6 +57,12 @@ bool has_known_tissue(const Settings& settings) {
     });
 }
 
+bool has_other_answer(const MapEstimate& estimate, const Settings& settings) {
+    for (std::size_t k = 0; k < estimate.unknown.size() && !estimate.others.empty(); ++k)
+        if (!evidence_of(estimate, k, settings).other_kpa.empty()) return true;
+    return false;
+}
+
 void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& settings,
                    RegionResult& result) {
     if (estimate.interval_kpa.empty()) {

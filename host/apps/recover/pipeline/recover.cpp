@@ -36,7 +36,7 @@ RecoveryResult recover_target(const PreparedReference& prepared, TargetState& ta
                               StageTimer timer, JointTarget& joint, const ProgressSink& progress) {
     const Recovered found =
         search_target(prepared, target, std::move(shapes), options, timer, progress);
-    joint = joint_target(found.estimate);
+    joint = joint_target(found.estimate, options.settings);
     target.alignment = found.alignment;
     timer.start("volumes");
     report_progress(progress, "volumes", 0, "carrying labels and field to the image grids");
@@ -173,6 +173,8 @@ struct JointTargets {
             result.left_out.emplace_back(k, repeats);
         } else if (!converged) {
             result.left_out.emplace_back(k, "did not converge");
+        } else if (target.has_other_answer) {
+            result.left_out.emplace_back(k, "has more than one answer");
         } else {
             searched.push_back(std::move(target));
         }

@@ -145,10 +145,10 @@ std::vector<Option> search_options() {
                        "Stiffness at which the search starts; default: the prior's median"),
         Option::integer("max_iterations", 1, 1000, "Of the search")
             .usually(std::int64_t{MapOptions{}.max_iterations}),
-        Option::flag(
-            "one_search",
-            "Do not search from other places where several moduli are unknown: faster, but "
-            "of several answers one is told alone"),
+        Option::flag("one_search",
+                     "Do not search from other places where several moduli are unknown (linear "
+                     "material, given Poisson's ratios): faster, but of several answers one is "
+                     "told alone"),
         Option::integer("max_rounds", 1, 100, "Linearisations at large deformation")
             .usually(std::int64_t{usual_max_rounds}),
     };
