@@ -91,6 +91,14 @@ def journal_cases(cohort):
     return [(record["patient"], record["case"]) for record in records]
 
 
+def assert_each_case_is_done_once(cohort, number):
+    """After processes were killed. One that is killed between the end of a case and its row in the journal leaves that row
+    out: the folders decide, and the journal only never tells a case twice."""
+    noted = journal_cases(cohort)
+    assert len(noted) == len(set(noted)) <= number
+    assert len(list((cohort / "cases").rglob("case.json"))) == number
+
+
 def children_of(pid):
     return [int(child) for child in open(f"/proc/{pid}/task/{pid}/children").read().split()]
 
@@ -207,9 +215,7 @@ def test_killed_runners_and_children_lose_nothing(tmp_path):
     assert kills > 0
     code, counts = status(cohort)
     assert code == 0 and counts["cases"]["done"] == 60
-    noted = journal_cases(cohort)
-    assert len(noted) == len(set(noted))
-    assert len(list((cohort / "cases").rglob("case.json"))) == 60
+    assert_each_case_is_done_once(cohort, 60)
     assert not list((cohort / "cases").rglob("*.unfinished-*"))
 
 

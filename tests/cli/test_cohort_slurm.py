@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from tests.cli.test_cohort import journal_cases, plan, rows_of, run, status, wait_until
+from tests.cli.test_cohort import assert_each_case_is_done_once, journal_cases, plan, rows_of, run, status, wait_until
 from tests.conftest import PROGRAM, ROOT, run_palpate
 
 SHARDS = "[plan]\nshard_minutes = 0.5\n[limits]\ntarget_seconds = 30\n"
@@ -127,5 +127,4 @@ def test_killed_drivers_are_made_up_for_by_the_same_file_again(slurm, tmp_path, 
     wait_for(slurm, first)
     wait_for(slurm, submit(slurm, cohort))
     assert status(cohort)[0] == 0
-    noted = journal_cases(cohort)
-    assert len(noted) == len(set(noted)) == 36
+    assert_each_case_is_done_once(cohort, 36)

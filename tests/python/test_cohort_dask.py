@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("distributed", reason="Dask is not installed (pip install palpate[dask])")
 
-from tests.cli.test_cohort import children_of, journal_cases, plan, rows_of, run, status, wait_until  # noqa: E402
+from tests.cli.test_cohort import assert_each_case_is_done_once, children_of, plan, rows_of, run, status, wait_until  # noqa: E402
 from tests.conftest import PROGRAM, run_palpate  # noqa: E402
 
 
@@ -84,8 +84,7 @@ def test_killed_workers_lose_nothing_and_their_cases_stop(cluster, tmp_path):
     code, out, errors = end_of(process)
     assert code == 0, errors
     assert "48 done" in out
-    noted = journal_cases(cohort)
-    assert len(noted) == len(set(noted)) == 48
+    assert_each_case_is_done_once(cohort, 48)
     other = plan(tmp_path / "here", patients=16, cases=3, seconds=0)
     run(other, "--jobs", 2)
     assert tables_but_times(cohort) == tables_but_times(other)
@@ -101,8 +100,7 @@ def test_without_its_scheduler_the_engine_ends_and_goes_on_with_another(cluster,
     assert code == 9 and "the scheduler is gone" in errors and time.monotonic() - begin < 120, errors
     code, out, errors = end_of(engine(cohort, "--jobs", 2))
     assert code == 0 and "36 done" in out, errors
-    noted = journal_cases(cohort)
-    assert len(noted) == len(set(noted)) == 36
+    assert_each_case_is_done_once(cohort, 36)
 
 
 def test_a_signal_stops_the_engine_and_what_it_started(cluster, tmp_path):
