@@ -52,7 +52,9 @@ RegionRecord region_record(const RegionResult& region, const RecoveryResult& res
     if (region.verdict != Verdict::not_identifiable) {
         row.e_kpa = region.stiffness_kpa;
         row.sd_ln = region.sd_ln;
-        take_prior_out(row, prior_median_kpa(result.settings),
+        // Of several answers no one Gaussian is the data's.
+        if (region.other_answers_kpa.empty())
+            take_prior_out(row, prior_median_kpa(result.settings),
                        result.settings.prior.stiffness_sd_ln);
     }
     for (const SurfaceResult& surface : result.surfaces) {

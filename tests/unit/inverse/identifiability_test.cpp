@@ -62,20 +62,19 @@ TEST(Identifiability, ARigidOrganHasALowerBoundOnly) {
     EXPECT_EQ(judge(evidence).verdict, Verdict::not_identifiable);
 }
 
-TEST(Identifiability, AnAnswerThatTheIntervalHoldsChangesNothing) {
-    ModulusEvidence evidence = clear_evidence();
-
-    add_answer(evidence, other_evidence(70, 500, 0.5), 110);
+TEST(Identifiability, AnAnswerOfWhichEachHoldsTheOtherChangesNothing) {
+    const ModulusEvidence evidence =
+        evidence_with({100, clear_evidence()}, {{110, other_evidence(70, 500, 0.5)}});
 
     EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 120.0}));
     EXPECT_EQ(evidence.sd_ln, 0.1);
+    EXPECT_TRUE(evidence.other_kpa.empty());
     EXPECT_EQ(judge(evidence).verdict, Verdict::recovered);
 }
 
 TEST(Identifiability, ASecondAnswerIsHeldAndNamed) {
-    ModulusEvidence evidence = clear_evidence();
-
-    add_answer(evidence, other_evidence(150, 300, 0.2), 200);
+    const ModulusEvidence evidence =
+        evidence_with({100, clear_evidence()}, {{200, other_evidence(150, 300, 0.2)}});
 
     EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 300.0}));
     EXPECT_NEAR(evidence.sd_ln, std::log(300.0 / 80.0) / 3.92, 1e-12);
@@ -84,10 +83,31 @@ TEST(Identifiability, ASecondAnswerIsHeldAndNamed) {
     EXPECT_TRUE(says(verdict, "ended at 200 kPa")) << verdict.reason;
 }
 
-TEST(Identifiability, AnswersThatSpanThePriorLeaveNothingIdentified) {
-    ModulusEvidence evidence = clear_evidence();
+TEST(Identifiability, AnAnswerThatDoesNotHoldTheFirstIsAnotherOne) {
+    const ModulusEvidence evidence =
+        evidence_with({100, clear_evidence()}, {{118, other_evidence(110, 126, 0.03)}});
 
-    add_answer(evidence, other_evidence(500, 5000, 0.6), 1500);
+    EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 126.0}));
+    EXPECT_EQ(evidence.other_kpa, (std::vector{118.0}));
+}
+
+TEST(Identifiability, AnswersAreTheSameInWhateverOrderTheyCome) {
+    // The first is inside what the second one widens the interval to.
+    const ModulusAnswer near{200, other_evidence(150, 300, 0.2)}, far{400, other_evidence(90, 900, 0.6)};
+
+    const ModulusEvidence one = evidence_with({100, clear_evidence()}, {near, far});
+    const ModulusEvidence other = evidence_with({100, clear_evidence()}, {far, near});
+
+    EXPECT_EQ(one.interval_kpa, (std::array{80.0, 900.0}));
+    EXPECT_EQ(other.interval_kpa, one.interval_kpa);
+    EXPECT_EQ(one.other_kpa, (std::vector{200.0, 400.0}));
+    EXPECT_EQ(other.other_kpa, one.other_kpa);
+    EXPECT_EQ(other.sd_ln, one.sd_ln);
+}
+
+TEST(Identifiability, AnswersThatSpanThePriorLeaveNothingIdentified) {
+    const ModulusEvidence evidence =
+        evidence_with({100, clear_evidence()}, {{1500, other_evidence(500, 5000, 0.6)}});
 
     const Judgement verdict = judge(evidence);
     EXPECT_EQ(verdict.verdict, Verdict::not_identifiable);

@@ -58,20 +58,32 @@ Judgement judge_one_sided(const ModulusEvidence& evidence, EvidenceCase which) {
                         evidence.interval_kpa[1], further_text(evidence))};
 }
 
+bool holds(const ModulusEvidence& evidence, double kpa) {
+    return kpa >= evidence.interval_kpa[0] && kpa <= evidence.interval_kpa[1];
+}
+
 }  // namespace
 
-void add_answer(ModulusEvidence& evidence, const ModulusEvidence& other, double kpa) {
+ModulusEvidence evidence_with(const ModulusAnswer& found,
+                              const std::vector<ModulusAnswer>& others) {
+    ModulusEvidence evidence = found.evidence;
     auto& [low, high] = evidence.interval_kpa;
-    if (kpa >= low && kpa <= high) return;
-    low = std::min(low, other.interval_kpa[0]);
-    high = std::max(high, other.interval_kpa[1]);
+    for (const auto& [kpa, other] : others) {
+        if (holds(found.evidence, kpa) && holds(other, found.kpa)) continue;
+        low = std::min(low, other.interval_kpa[0]);
+        high = std::max(high, other.interval_kpa[1]);
+        evidence.sd_ln = std::max(evidence.sd_ln, other.sd_ln);
+        evidence.seen_sd_ln = std::max(evidence.seen_sd_ln, other.seen_sd_ln);
+        evidence.excludes_soft = evidence.excludes_soft && other.excludes_soft;
+        evidence.excludes_stiff = evidence.excludes_stiff && other.excludes_stiff;
+        evidence.other_kpa.push_back(kpa);
+    }
+    if (evidence.other_kpa.empty()) return evidence;
+    std::sort(evidence.other_kpa.begin(), evidence.other_kpa.end());
     // As of one Gaussian of ln E with these for its 95 % interval
     const double sd_ln = std::min(evidence.prior_sd_ln, std::log(high / low) / (2 * 1.96));
     evidence.sd_ln = std::max(evidence.sd_ln, sd_ln);
-    evidence.seen_sd_ln = std::max(evidence.seen_sd_ln, other.seen_sd_ln);
-    evidence.excludes_soft = evidence.excludes_soft && other.excludes_soft;
-    evidence.excludes_stiff = evidence.excludes_stiff && other.excludes_stiff;
-    evidence.other_kpa.push_back(kpa);
+    return evidence;
 }
 
 Judgement judge(const ModulusEvidence& evidence) {

@@ -17,14 +17,21 @@ struct ModulusEvidence {
     double sd_ln = 0, prior_sd_ln = 1;         ///< posterior and prior standard deviation of ln E
     double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (posterior.hpp)
     bool excludes_soft = true, excludes_stiff = true;  ///< whether data without prior bound it
-    std::vector<double> other_kpa;  ///< of searches that began elsewhere and ended elsewhere
+    std::vector<double> other_kpa;  ///< answers of searches that began elsewhere, ascending
     std::string partner;            ///< the organ whose modulus correlates most; may be empty
     double partner_correlation = 0;
 };
 
-/// Another search has ended at `kpa`, with this evidence. If the interval so far does not hold it,
-/// it is widened to hold both answers with all that each leaves open (method.md, 4.7).
-void add_answer(ModulusEvidence& evidence, const ModulusEvidence& other, double kpa);
+/// Where a search of a modulus has ended, and what is known of it there.
+struct ModulusAnswer {
+    double kpa = 0;
+    ModulusEvidence evidence;
+};
+
+/// What is known where searches that began elsewhere have ended too. Those of which one interval
+/// does not hold the other's modulus tell another answer: the interval is widened to hold all
+/// answers with all that each leaves open (method.md, 4.7), in whatever order they are given.
+ModulusEvidence evidence_with(const ModulusAnswer& found, const std::vector<ModulusAnswer>& others);
 
 /// A modulus is *recovered* if its 95 % interval spans at most a factor of 2 and the images bound
 /// it on both sides, *weak* if not, *not identifiable* if the data, or the motion that they show,

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '4', '\n'};
+constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '5', '\n'};
 constexpr FileMark body_mark{'P', 'A', 'L', 'B', 'D', 'Y', '1', '\n'};
 
 [[noreturn]] void refuse_bytes(const std::string& why) {
@@ -40,7 +40,8 @@ void visit_regions(Stream& stream, Regions& regions) {
         visit_optional(inner, r.ratio, [](auto& within, auto& ratio) {
             within(ratio.interval, ratio.verdict, ratio.reason);
         });
-        inner(r.jacobian_range, r.strain_energy_mj, r.seen_ends[0], r.seen_ends[1]);
+        inner(r.jacobian_range, r.strain_energy_mj, r.seen_ends[0], r.seen_ends[1],
+              r.other_answers_kpa);
     });
 }
 

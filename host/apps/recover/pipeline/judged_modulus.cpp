@@ -13,25 +13,36 @@
 namespace palpate {
 namespace {
 
-/// The evidence on unknown `k`, its strongest partner among the other unknown moduli included.
-ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
-    const Index row = static_cast<Index>(k);
-    const Eigen::MatrixXd& covariance = estimate.covariance;
-    const double best_kpa = std::exp(estimate.theta[row]);
+/// The evidence on unknown `k` where one search has ended. `mesh_change_ln`: what elements of no size
+/// would change of ln E.
+ModulusEvidence evidence_at(const MapEstimate& estimate, Index k, double mesh_change_ln) {
+    const double best_kpa = std::exp(estimate.theta[k]);
     ModulusEvidence evidence;
-    const double mesh_change =
-        estimate.mesh_change_ln.size() > 0 ? estimate.mesh_change_ln[row] : 0;
-    const double model_sd = model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change);
-    const double sd_ln = std::sqrt(covariance(row, row));
+    const double model_sd = model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change_ln);
+    const double sd_ln = std::sqrt(estimate.covariance(k, k));
     evidence.prior_sd_ln = estimate.unknown[k].sd;
     evidence.interval_kpa =
         with_model_error(estimate.interval_kpa[k], best_kpa, sd_ln, evidence.prior_sd_ln, model_sd);
     evidence.sd_ln = sd_ln_with_model_error(sd_ln, evidence.prior_sd_ln, model_sd);
-    evidence.seen_sd_ln = estimate.seen_sd_ln[row];
+    evidence.seen_sd_ln = estimate.seen_sd_ln[k];
     evidence.excludes_soft = estimate.excluded_ends[k][0];
     evidence.excludes_stiff = estimate.excluded_ends[k][1];
+    return evidence;
+}
+
+/// The evidence on unknown `k`, other searches' ends and its strongest partner among the other
+/// unknown moduli included. What the mesh changes is known at the first end, and counted as an error
+/// as large at the others.
+ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
+    const Index row = static_cast<Index>(k);
+    const Eigen::MatrixXd& covariance = estimate.covariance;
+    const double mesh_change =
+        estimate.mesh_change_ln.size() > 0 ? estimate.mesh_change_ln[row] : 0;
+    std::vector<ModulusAnswer> others;
     for (const auto& other : estimate.others)
-        add_answer(evidence, evidence_of(*other, k, settings), std::exp(other->theta[row]));
+        others.push_back({std::exp(other->theta[row]), evidence_at(*other, row, mesh_change)});
+    ModulusEvidence evidence = evidence_with(
+        {std::exp(estimate.theta[row]), evidence_at(estimate, row, mesh_change)}, others);
     for (Index other = 0; other < covariance.cols(); ++other) {
         const double correlation =
             covariance(row, other) / std::sqrt(covariance(row, row) * covariance(other, other));
@@ -75,6 +86,7 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
     result.interval_kpa = told_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
     const bool is_told = verdict.verdict != Verdict::not_identifiable;
     result.seen_ends = {is_told && evidence.excludes_soft, is_told && evidence.excludes_stiff};
+    result.other_answers_kpa = evidence.other_kpa;
     result.sd_ln = verdict.verdict == Verdict::not_identifiable
                        ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
                        : evidence.sd_ln;

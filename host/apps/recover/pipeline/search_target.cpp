@@ -194,7 +194,7 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
         found.estimate = map_estimate(mechanics.response, mechanics.walls, observations,
                                       mechanics.unknowns, options.search, progress);
         std::vector<std::shared_ptr<const MapEstimate>> others;
-        if (options.looks_elsewhere && mechanics.unknowns.size() > 1 && options.search.fit_walls)
+        if (options.looks_elsewhere && mechanics.unknowns.size() > 1 && found.estimate.walls)
             others = other_ends(found.estimate, mechanics.response, mechanics.walls, observations,
                                 mechanics.unknowns, options.search, progress);
         if (finer_mesh && !mechanics.unknowns.empty())

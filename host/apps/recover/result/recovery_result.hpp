@@ -51,6 +51,8 @@ struct RegionResult {
     /// Whether the images give the lower and the upper end of `interval_kpa`; an end that they do
     /// not give is what was assumed beforehand.
     std::array<bool, 2> seen_ends{true, true};
+    /// Moduli at which searches that began elsewhere have ended, where they are another answer.
+    std::vector<double> other_answers_kpa = {};
 };
 
 /// One combination of unknown moduli and how much the images say of it.
