@@ -55,7 +55,7 @@ RegionRecord region_record(const RegionResult& region, const RecoveryResult& res
         // Of several answers no one Gaussian is the data's.
         if (region.other_answers_kpa.empty())
             take_prior_out(row, prior_median_kpa(result.settings),
-                       result.settings.prior.stiffness_sd_ln);
+                           result.settings.prior.stiffness_sd_ln);
     }
     for (const SurfaceResult& surface : result.surfaces) {
         if (surface.region != region.region) continue;

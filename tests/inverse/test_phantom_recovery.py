@@ -39,3 +39,28 @@ def test_a_poisson_ratio_that_the_load_shows_is_found(tmp_path):
     assert abs(found["poisson_ratio"] - truth) < 0.06
     assert low < truth < high < 0.40
     assert found["interval_kpa"][0] < 160 < found["interval_kpa"][1]
+
+
+def test_two_zones_have_one_answer_from_three_places_and_coarse_meshes_are_named(tmp_path):
+    folder = tmp_path / "phantom"
+    made = run_palpate("phantom", "pelvis", "--seed", 4, "--zone-stiffness-kpa", 60, 180, "--load", "large",
+                       "--nodes", 15000, "--out", folder, "--quiet")
+    assert made.returncode == 0, made.stderr
+
+    def recovered(nodes):
+        out = tmp_path / str(nodes)
+        finished = run_palpate("recover", folder / "reference.nii.gz", folder / "target.nii.gz", "--config",
+                               folder / "organs.toml", "--nodes", nodes, "--out", out, "--quiet")
+        assert finished.returncode == 0, finished.stderr
+        return json.loads((out / "result.json").read_text()), "The mesh is coarse" in finished.stdout + finished.stderr
+
+    result, is_coarse = recovered(4000)
+    assert not is_coarse
+    regions = {region["name"]: region for region in result["regions"]}
+    for name, kpa in ("transition_zone", 60), ("peripheral_zone", 180):
+        low, high = regions[name]["interval_kpa"]
+        assert low < kpa < high
+        assert regions[name]["other_answers_kpa"] == []
+    result, is_coarse = recovered(1500)
+    assert is_coarse
+    assert any("The mesh is coarse" in warning for warning in result["warnings"])

@@ -45,6 +45,7 @@ def test_pelvis_mr_pair_has_several_answers_and_each_is_said(tmp_path):
     zone = next(region for region in report["regions"] if region["label"] == 2)
     assert zone["verdict"] == "not identifiable"
     assert "more than one answer" in zone["reason"]
+    assert zone["other_answers_kpa"]
 
 
 def test_pelvis_mr_pair_meets_its_target(tmp_path):

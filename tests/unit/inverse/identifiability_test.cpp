@@ -93,7 +93,8 @@ TEST(Identifiability, AnAnswerThatDoesNotHoldTheFirstIsAnotherOne) {
 
 TEST(Identifiability, AnswersAreTheSameInWhateverOrderTheyCome) {
     // The first is inside what the second one widens the interval to.
-    const ModulusAnswer near{200, other_evidence(150, 300, 0.2)}, far{400, other_evidence(90, 900, 0.6)};
+    const ModulusAnswer near{200, other_evidence(150, 300, 0.2)},
+        far{400, other_evidence(90, 900, 0.6)};
 
     const ModulusEvidence one = evidence_with({100, clear_evidence()}, {near, far});
     const ModulusEvidence other = evidence_with({100, clear_evidence()}, {far, near});

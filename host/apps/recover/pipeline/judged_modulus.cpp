@@ -13,8 +13,8 @@
 namespace palpate {
 namespace {
 
-/// The evidence on unknown `k` where one search has ended. `mesh_change_ln`: what elements of no size
-/// would change of ln E.
+/// The evidence on unknown `k` where one search has ended. `mesh_change_ln`: what elements of no
+/// size would change of ln E.
 ModulusEvidence evidence_at(const MapEstimate& estimate, Index k, double mesh_change_ln) {
     const double best_kpa = std::exp(estimate.theta[k]);
     ModulusEvidence evidence;
@@ -31,8 +31,8 @@ ModulusEvidence evidence_at(const MapEstimate& estimate, Index k, double mesh_ch
 }
 
 /// The evidence on unknown `k`, other searches' ends and its strongest partner among the other
-/// unknown moduli included. What the mesh changes is known at the first end, and counted as an error
-/// as large at the others.
+/// unknown moduli included. What the mesh changes is known at the first end, and counted as an
+/// error as large at the others.
 ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
     const Index row = static_cast<Index>(k);
     const Eigen::MatrixXd& covariance = estimate.covariance;
