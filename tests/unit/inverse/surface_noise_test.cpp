@@ -47,6 +47,17 @@ struct Fixture {
                                      {0.2, 0.1, {}, 4.0, {}}};
     SurfaceNoise noise{observations};
 
+    /// Of a node's row as it was made.
+    double independent_mm(Index position) const {
+        return observations.rows()[position].independent_mm;
+    }
+    double mean_variance() const {
+        double sum = 0;
+        for (const Observation& row : observations.rows())
+            sum += row.independent_mm * row.independent_mm / double(side * side);
+        return sum;
+    }
+
     /// Nodes that are off by `mm` within `radius_mm` of the middle.
     ObservedState bump(double mm, double radius_mm) const {
         Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * side * side);
@@ -69,10 +80,10 @@ TEST(SurfaceNoise, CountsOneNodeThatDiffersFromItsNeighboursLessAndNoOther) {
     const auto rows = f.noise.count(state)->linear_rows(state);
     for (const LinearRow& row : rows) {
         if (row.position == side * side / 2) {
-            EXPECT_GT(row.independent_mm, 0.5);
+            EXPECT_GT(row.independent_mm, 3 * f.independent_mm(row.position));
             EXPECT_LT(row.weight, 0.5);
         } else {
-            EXPECT_LT(row.independent_mm, 0.3);
+            EXPECT_LT(row.independent_mm, 1.5 * f.independent_mm(row.position));
         }
     }
 }
@@ -122,7 +133,8 @@ TEST(SurfaceNoise, GrowsAnOutliersVarianceByHowFarItIsFromWhereItsNeighboursSay)
     }
     ASSERT_GE(outlier, 0);
     // Without its own inflation it would be |z| deviations off; then it is sqrt(3 |z|).
-    const double plain = 0.2 * 0.2, own = std::pow(rows[outlier].independent_mm, 2);
+    const double plain = std::pow(f.independent_mm(side * side / 2), 2),
+                 own = std::pow(rows[outlier].independent_mm, 2);
     const Eigen::MatrixXd precision = covariance.inverse();
     const double conditional = 1 / precision(outlier, outlier);
     const double off = (precision * residual)[outlier] * conditional;
@@ -139,8 +151,7 @@ TEST(SurfaceNoise, WithoutASharedPartIsHubersLoss) {
     const double sd = f.noise.count(state)->linear_rows(f.bump(0, 0.1))[0].independent_mm;
     ASSERT_GT(sd, 0);
     const Index middle = side * side / 2;
-    const double own = 0.2 * std::sqrt(1.0);
-    const double z = 4 / own;
+    const double z = 4 / f.independent_mm(middle);
     EXPECT_NEAR(f.noise.count(state)->misfit(state.residual_mm), 3 * (z - 1.5), 1e-6);
     EXPECT_EQ(f.off(0.1), std::set<Index>{middle});
 }
@@ -161,7 +172,7 @@ TEST(SurfaceNoise, FollowsTheTargetsSlopesOnlyAsFarAsContoursAreRight) {
 TEST(SurfaceNoise, FindsTheContoursErrorThatAMeanSquareBelongsTo) {
     Fixture f;
     f.noise.set_level({1, 0.4});
-    const double b = 0.2 * 0.2;
+    const double b = f.mean_variance();
     EXPECT_NEAR(f.noise.contours_for(1.0).sd_mm, 0.4, 1e-4);
     EXPECT_NEAR(f.noise.contours_for(2.0).sd_mm, std::sqrt(2 * (0.16 + b) - b), 2e-3);
     EXPECT_NEAR(f.noise.contours_for(2.0).shown_share, 1, 1e-9);
@@ -170,7 +181,7 @@ TEST(SurfaceNoise, FindsTheContoursErrorThatAMeanSquareBelongsTo) {
 TEST(SurfaceNoise, LeavesContoursOpenAsFarAsVoxelsMayExplainThem) {
     Fixture f;
     f.noise.set_level({1, 0.05});
-    const double b = 0.2 * 0.2, nothing = b / (0.05 * 0.05 + b);
+    const double b = f.mean_variance(), nothing = b / (0.05 * 0.05 + b);
     const auto none = f.noise.contours_for(nothing);
     // The mean of half a normal distribution, of deviation b/3
     EXPECT_NEAR(none.sd_mm, std::sqrt(b / 3 * std::sqrt(2 / std::acos(-1.0))), 2e-3);

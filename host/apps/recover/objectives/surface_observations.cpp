@@ -19,6 +19,15 @@ std::map<Index, Index> positions(const std::vector<Index>& nodes) {
     return position;
 }
 
+/// sum_p w_p d(x_p) of a row's patch at rest.
+double own_mean(const TargetShape& reference, const Observation& row) {
+    double mean = 0;
+    for (std::size_t p = 0; p < row.patch.offsets.size(); ++p)
+        mean += row.patch.weights[p] *
+                reference.measure(row.place + row.patch.offsets[p], Vec3::Zero()).mm;
+    return mean;
+}
+
 }  // namespace
 
 SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, ObservedShapes shapes,
@@ -35,6 +44,7 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
         const auto& surface = recovery.surfaces[s];
         if (!shapes_.target[s]) continue;
         const auto area = vertex_areas(surface.surface);
+        const auto patches = surface_patches(surface.surface, vertex_normals(surface.surface));
         for (std::size_t v = 0; v < surface.node_of.size(); ++v) {
             const Index node = surface.node_of[v];
             const auto as_driven = driven.find(node);
@@ -48,13 +58,14 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             row.position = row.on_driven ? as_driven->second : as_observed->second;
             row.place = surface.surface.vertices[v];
             const ShapeDistance own = shapes_.reference[s]->measure(row.place, Vec3::Zero());
-            own_offset_.push_back(own.mm);
             row.facing = own.normal;
-            // Nodes that share a voxel share its information, and so do the two organs that meet at
-            // one interface node.
-            const double share =
-                std::min(1.0, area[v] / std::max(options.independent_area_mm2,
-                                                 shapes_.target[s]->measured_area_mm2()));
+            row.patch = patches[v];
+            own_offset_.push_back({own.mm, own_mean(*shapes_.reference[s], row)});
+            // The places of a node's patch are as many measurements, but those that share a voxel
+            // share its information, and so do the two organs that meet at one interface node.
+            const double share = std::min(
+                row.patch.num_places(), area[v] / std::max(options.independent_area_mm2,
+                                                           shapes_.target[s]->measured_area_mm2()));
             row.independent_mm = options.noise_mm * std::sqrt(surfaces_at[node] / share);
             row.shared_factor = std::sqrt(surfaces_at[node]);
             rows_.push_back(row);
@@ -67,6 +78,32 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
         frame_.terraces.push_back(
             terraces_.of_distance(point.place, point.normal, point.place, point.normal));
     }
+}
+
+ShapeDistance SurfaceObservations::distance_of(Index k, const Vec3& u) const {
+    const Observation& row = rows_[k];
+    const TargetShape& target = *shapes_.target[row.surface];
+    ShapeDistance node = target.measure(row.place + u, row.facing);
+    // sum_p w_p d(x_p + u); the normals are its gradient with respect to u.
+    ShapeDistance mean = node;
+    mean.mm = row.patch.weights[0] * node.mm;
+    mean.normal = row.patch.weights[0] * node.normal;
+    mean.smooth_normal = row.patch.weights[0] * node.smooth_normal;
+    bool is_seen = node.is_seen;
+    for (std::size_t p = 1; p < row.patch.offsets.size() && is_seen; ++p) {
+        const ShapeDistance there =
+            target.measure(row.place + row.patch.offsets[p] + u, row.facing);
+        mean.mm += row.patch.weights[p] * there.mm;
+        mean.normal += row.patch.weights[p] * there.normal;
+        mean.smooth_normal += row.patch.weights[p] * there.smooth_normal;
+        is_seen = there.is_seen;
+    }
+    if (is_seen) {
+        mean.mm -= own_offset_[k].patch_mm;
+        return mean;
+    }
+    node.mm -= own_offset_[k].node_mm;
+    return node;
 }
 
 ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
@@ -82,9 +119,8 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
         Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
         u += frame_.frame.displacement(frame, row.place);
         state.place.row(k) = row.place + u;
-        const ShapeDistance target =
-            shapes_.target[row.surface]->measure(row.place + u, row.facing);
-        state.residual_mm[k] = target.mm - own_offset_[k];
+        const ShapeDistance target = distance_of(k, u);
+        state.residual_mm[k] = target.mm;
         state.normal.row(k) = target.normal;
         state.smooth_normal.row(k) = target.smooth_normal;
         state.seen.push_back(target.is_seen);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/apps/recover/modelling/build_model.hpp"
+#include "host/apps/recover/objectives/surface_patch.hpp"
 #include "host/apps/recover/objectives/target_frame.hpp"
 #include "host/apps/recover/objectives/voxel_terraces.hpp"
 #include "host/geometry/surfaces/target_shape.hpp"
@@ -34,18 +35,20 @@ struct ObservationOptions {
     std::vector<AlignedPoint> aligned;
 };
 
-/// The data term of one surface node: r = d_target(x + u) - d_reference(x), the distance to the
-/// target surface along its normal (method.md, 2.1). Subtracting the node's own offset from
-/// the reference surface removes what chords and volume correction added to the mesh.
+/// The data term of one surface node: r = sum_p w_p (d_target(x_p + u) - d_reference(x_p)), the
+/// mean distance of its patch to the target surface along its normal (method.md, 2.1). Subtracting
+/// each place's own offset from the reference surface removes what chords and volume correction
+/// added to the mesh.
 struct Observation {
     Index surface = 0;  ///< position in `RecoveryModel::surfaces`
     Index node = 0;
     Index position = 0;  ///< in `RecoveryModel::driven` or `observed`
     bool on_driven = false;
-    double independent_mm = 0;   ///< standard deviation, inflated where nodes share voxels
+    double independent_mm = 0;   ///< standard deviation: of a patch's mean, nodes may share voxels
     double shared_factor = 1;    ///< on what organs share at a node of both: root of their number
     Vec3 place = Vec3::Zero();   ///< reference position of the node, mm
     Vec3 facing = Vec3::Zero();  ///< outward normal of the surface there at rest
+    SurfacePatch patch;
 };
 
 /// Values and normals of all observations at one state.
@@ -84,7 +87,15 @@ private:
     std::vector<Observation> rows_;
     VoxelTerraces terraces_;
     FrameEvidence frame_;
-    std::vector<double> own_offset_;  ///< d_reference(x) of each row
+    /// d_target of a row's patch, moved by `u`, less `own_offset_`; of the node alone where the
+    /// target does not show all of the patch.
+    ShapeDistance distance_of(Index row, const Vec3& u) const;
+
+    /// Of each row: d_reference of its node, and the mean of its patch.
+    struct OwnOffset {
+        double node_mm, patch_mm;
+    };
+    std::vector<OwnOffset> own_offset_;
     ObservedShapes shapes_;
 };
 
