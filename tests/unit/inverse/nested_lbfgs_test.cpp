@@ -160,9 +160,11 @@ std::vector<std::shared_ptr<const TargetShape>> shapes_of(const Mesh& mesh,
 SurfaceObservations observations_of(const RecoveryModel& recovery,
                                     const std::vector<Vec3>& target_nodes, double voxel_mm = 1.0) {
     const Mesh mesh = linear_mesh_of(recovery.model.mesh);
+    ObservationOptions at_nodes;
+    at_nodes.over_patches = false;
     return SurfaceObservations(
         recovery, {shapes_of(mesh, mesh.nodes, voxel_mm), shapes_of(mesh, target_nodes, voxel_mm)},
-        std::vector<std::uint8_t>(mesh.nodes.size(), 1), {});
+        std::vector<std::uint8_t>(mesh.nodes.size(), 1), at_nodes);
 }
 
 Eigen::VectorXd random_direction(Index n) {

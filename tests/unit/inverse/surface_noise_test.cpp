@@ -60,9 +60,10 @@ struct Fixture {
 
     /// Nodes that are off by `mm` within `radius_mm` of the middle.
     ObservedState bump(double mm, double radius_mm) const {
-        Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * side * side);
-        for (const Index node : off(radius_mm)) u[3 * node + 2] = mm;
-        return observations.evaluate(Eigen::VectorXd(), u);
+        ObservedState state =
+            observations.evaluate(Eigen::VectorXd(), Eigen::VectorXd::Zero(3 * side * side));
+        for (const Index node : off(radius_mm)) state.residual_mm[node] = mm;
+        return state;
     }
     std::set<Index> off(double radius_mm) const {
         const Vec3 middle = recovery.model.mesh.nodes[side * side / 2];

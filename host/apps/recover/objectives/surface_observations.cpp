@@ -36,6 +36,12 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
     : terraces_(options.voxels, options.terrace_range_spacings), shapes_(std::move(shapes)) {
     const auto driven = positions(recovery.driven);
     const auto observed = positions(recovery.observed);
+    const auto moving = [&](Index node) -> MovingNode {
+        if (const auto found = driven.find(node); found != driven.end())
+            return {true, found->second};
+        const auto found = observed.find(node);
+        return {false, found == observed.end() ? -1 : found->second};
+    };
     std::vector<int> surfaces_at(recovery.model.mesh.nodes.size(), 0);
     for (const auto& surface : recovery.surfaces) {
         for (const Index node : surface.node_of) ++surfaces_at[node];
@@ -47,19 +53,21 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
         const auto patches = surface_patches(surface.surface, vertex_normals(surface.surface));
         for (std::size_t v = 0; v < surface.node_of.size(); ++v) {
             const Index node = surface.node_of[v];
-            const auto as_driven = driven.find(node);
-            const auto as_observed = observed.find(node);
-            const bool moves = as_driven != driven.end() || as_observed != observed.end();
-            if (!moves || !node_is_seen[node] || area[v] <= 0) continue;
+            const MovingNode own_node = moving(node);
+            if (own_node.position < 0 || !node_is_seen[node] || area[v] <= 0) continue;
             Observation row;
             row.surface = static_cast<Index>(s);
             row.node = node;
-            row.on_driven = as_driven != driven.end();
-            row.position = row.on_driven ? as_driven->second : as_observed->second;
+            row.on_driven = own_node.on_driven;
+            row.position = own_node.position;
             row.place = surface.surface.vertices[v];
             const ShapeDistance own = shapes_.reference[s]->measure(row.place, Vec3::Zero());
             row.facing = own.normal;
-            row.patch = patches[v];
+            // The plane through a cloud's closest points is a mean already.
+            const bool is_cloud = shapes_.target[s]->measured_area_mm2() > 0;
+            if (options.over_patches && !is_cloud) row.patch = patches[v];
+            for (const Index end : row.patch.ends)
+                row.patch_ends.push_back(moving(surface.node_of[end]));
             own_offset_.push_back({own.mm, own_mean(*shapes_.reference[s], row)});
             // The places of a node's patch are as many measurements, but those that share a voxel
             // share its information, and so do the two organs that meet at one interface node.
@@ -80,11 +88,11 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
     }
 }
 
-ShapeDistance SurfaceObservations::distance_of(Index k, const Vec3& u) const {
+ShapeDistance SurfaceObservations::distance_of(Index k, const std::vector<Vec3>& moved) const {
     const Observation& row = rows_[k];
     const TargetShape& target = *shapes_.target[row.surface];
-    ShapeDistance node = target.measure(row.place + u, row.facing);
-    // sum_p w_p d(x_p + u); the normals are its gradient with respect to u.
+    ShapeDistance node = target.measure(row.place + moved[0], row.facing);
+    // sum_p w_p d(x_p + u_p), and sum_p w_p n_p
     ShapeDistance mean = node;
     mean.mm = row.patch.weights[0] * node.mm;
     mean.normal = row.patch.weights[0] * node.normal;
@@ -92,7 +100,7 @@ ShapeDistance SurfaceObservations::distance_of(Index k, const Vec3& u) const {
     bool is_seen = node.is_seen;
     for (std::size_t p = 1; p < row.patch.offsets.size() && is_seen; ++p) {
         const ShapeDistance there =
-            target.measure(row.place + row.patch.offsets[p] + u, row.facing);
+            target.measure(row.place + row.patch.offsets[p] + moved[p], row.facing);
         mean.mm += row.patch.weights[p] * there.mm;
         mean.normal += row.patch.weights[p] * there.normal;
         mean.smooth_normal += row.patch.weights[p] * there.smooth_normal;
@@ -114,12 +122,17 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
     state.normal.resize(num_rows(), 3);
     state.smooth_normal.resize(num_rows(), 3);
     state.place.resize(num_rows(), 3);
+    std::vector<Vec3> moved;
     for (Index k = 0; k < num_rows(); ++k) {
         const auto& row = rows_[k];
-        Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
-        u += frame_.frame.displacement(frame, row.place);
-        state.place.row(k) = row.place + u;
-        const ShapeDistance target = distance_of(k, u);
+        const Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
+        const Vec3 of_frame = frame_.frame.displacement(frame, row.place);
+        moved.assign(1, u + of_frame);
+        // On a straight edge of linear elements u(middle) = (u_v + u_w) / 2.
+        for (const MovingNode& end : row.patch_ends)
+            moved.push_back(0.5 * (u + end.displacement(driven, observed)) + of_frame);
+        state.place.row(k) = row.place + moved[0];
+        const ShapeDistance target = distance_of(k, moved);
         state.residual_mm[k] = target.mm;
         state.normal.row(k) = target.normal;
         state.smooth_normal.row(k) = target.smooth_normal;

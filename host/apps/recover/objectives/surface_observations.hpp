@@ -33,9 +33,24 @@ struct ObservationOptions {
     double terrace_range_spacings = 4.0;
     /// What the target was aligned by; empty: its frame is taken to be exact.
     std::vector<AlignedPoint> aligned;
+    /// Distances are means over patches, but to clouds; else those of nodes, whose derivatives by
+    /// the nodes' displacements are then exact.
+    bool over_patches = true;
 };
 
-/// The data term of one surface node: r = sum_p w_p (d_target(x_p + u) - d_reference(x_p)), the
+/// A node that may move, by its place in `RecoveryModel::driven` or `observed`; below 0: it is
+/// held.
+struct MovingNode {
+    bool on_driven = false;
+    Index position = -1;
+
+    Vec3 displacement(const Eigen::VectorXd& driven, const Eigen::VectorXd& observed) const {
+        if (position < 0) return Vec3::Zero();
+        return (on_driven ? driven : observed).segment<3>(3 * position);
+    }
+};
+
+/// The data term of one surface node: r = sum_p w_p (d_target(x_p + u_p) - d_reference(x_p)), the
 /// mean distance of its patch to the target surface along its normal (method.md, 2.1). Subtracting
 /// each place's own offset from the reference surface removes what chords and volume correction
 /// added to the mesh.
@@ -49,6 +64,7 @@ struct Observation {
     Vec3 place = Vec3::Zero();   ///< reference position of the node, mm
     Vec3 facing = Vec3::Zero();  ///< outward normal of the surface there at rest
     SurfacePatch patch;
+    std::vector<MovingNode> patch_ends;  ///< at the other ends of the patch's edges
 };
 
 /// Values and normals of all observations at one state.
@@ -56,7 +72,8 @@ struct ObservedState {
     /// [num_observations]; where nothing is seen: to the shape as it would go on, not to be fitted.
     Eigen::VectorXd residual_mm;
     using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-    Vectors normal;                  ///< gradient of the residual with respect to u
+    /// Gradient of the residual with respect to u, for a patch that moves as its node does.
+    Vectors normal;
     Vectors smooth_normal;           ///< of the shape (ShapeDistance), for linearised problems
     Vectors place;                   ///< where x + u is seen, mm
     std::vector<std::uint8_t> seen;  ///< [num_observations] 0: the target says nothing there
@@ -87,9 +104,9 @@ private:
     std::vector<Observation> rows_;
     VoxelTerraces terraces_;
     FrameEvidence frame_;
-    /// d_target of a row's patch, moved by `u`, less `own_offset_`; of the node alone where the
-    /// target does not show all of the patch.
-    ShapeDistance distance_of(Index row, const Vec3& u) const;
+    /// d_target of a row's patch, each place moved by its own of `moved` (mm), less `own_offset_`;
+    /// of the node alone where the target does not show all of the patch.
+    ShapeDistance distance_of(Index row, const std::vector<Vec3>& moved) const;
 
     /// Of each row: d_reference of its node, and the mean of its patch.
     struct OwnOffset {

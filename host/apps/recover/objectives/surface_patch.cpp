@@ -44,8 +44,10 @@ std::vector<SurfacePatch> surface_patches(const Surface& surface,
     std::vector<SurfacePatch> patches(surface.vertices.size());
     for (std::size_t v = 0; v < patches.size(); ++v) {
         SurfacePatch patch;
-        for (const Index other : neighbours[v])
+        for (const Index other : neighbours[v]) {
             patch.offsets.push_back(0.5 * (surface.vertices[other] - surface.vertices[v]));
+            patch.ends.push_back(other);
+        }
         patch.weights = weights_of(patch.offsets, normals[v]);
         if (!patch.weights.empty()) patches[v] = std::move(patch);
     }

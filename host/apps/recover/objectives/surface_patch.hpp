@@ -15,6 +15,8 @@ struct SurfacePatch {
     /// Positive, of sum 1; the weighted mean of the offsets has no part along the surface, so that
     /// what is linear along it has the vertex's value for its mean.
     std::vector<double> weights{1.0};
+    std::vector<Index>
+        ends;  ///< vertices at the other ends of the edges: of all places but the first
 
     /// How many places of the surface belong to one of its vertices, an edge's middle half to each
     /// end.

@@ -157,10 +157,12 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
 
     timer.start("distances");
     found.target = shapes.get();
-    const SurfaceObservations observations(
-        found.recovery, observed_shapes(prepared, found),
-        seen_nodes(found.recovery.model.mesh, target),
-        observation_options(options.settings, prepared.reference.state, target));
+    ObservationOptions seen =
+        observation_options(options.settings, prepared.reference.state, target);
+    // As published; and that search needs exact gradients.
+    seen.over_patches = options.method != SearchMethod::nested_lbfgs;
+    const SurfaceObservations observations(found.recovery, observed_shapes(prepared, found),
+                                           seen_nodes(found.recovery.model.mesh, target), seen);
     check_anything_seen(observations, found.recovery);
     RecoverOptions with_contours = options;
     if (const auto& sd_mm = options.settings.prior.contour_sd_mm)
