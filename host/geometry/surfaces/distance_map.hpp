@@ -26,6 +26,7 @@ public:
     double value(const Vec3& point, Vec3& gradient) const;
 
     ShapeDistance measure(const Vec3& point, const Vec3& facing) const override;
+    bool is_of_voxels() const override { return true; }
 
     /// The same surface moved rigidly: map.moved(T).value(T(y)) == map.value(y).
     DistanceMap moved(const RigidTransform& transform) const;

@@ -30,6 +30,9 @@ public:
     virtual ShapeDistance measure(const Vec3& point, const Vec3& facing) const = 0;
     /// The area of the shape that one measurement stands for, mm^2; 0: as small as one likes.
     virtual double measured_area_mm2() const { return 0; }
+    /// Whether it is off from place to place as voxels make it, so that a mean over places of a
+    /// surface is known better than one of them.
+    virtual bool is_of_voxels() const { return false; }
 };
 
 /// Whether surfaces with these outward normals can be one and the same: they are at most 60 degrees

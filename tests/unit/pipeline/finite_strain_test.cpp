@@ -145,7 +145,7 @@ TEST(FiniteStrain, FindsTheTruthWithQuadraticElements) {
         search_finite_strain(block.rest, TissueLaw{"neo-hookean"}, seen, Block::options());
 
     EXPECT_LT(std::abs(percent_off(std::exp(found.estimate.theta[0]), true_kpa)), 6);
-    EXPECT_GT(std::abs(percent_off(std::exp(found.first.theta[0]), true_kpa)), 5);
+    EXPECT_GT(std::abs(percent_off(std::exp(found.first.theta[0]), true_kpa)), 12);
     EXPECT_TRUE(found.state.converged);
 }
 

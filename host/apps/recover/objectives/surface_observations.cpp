@@ -63,18 +63,20 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             row.place = surface.surface.vertices[v];
             const ShapeDistance own = shapes_.reference[s]->measure(row.place, Vec3::Zero());
             row.facing = own.normal;
-            // The plane through a cloud's closest points is a mean already.
-            const bool is_cloud = shapes_.target[s]->measured_area_mm2() > 0;
-            if (options.over_patches && !is_cloud) row.patch = patches[v];
+            const auto is_seen = [&](Index end) { return node_is_seen[surface.node_of[end]] != 0; };
+            if (options.over_patches && shapes_.target[s]->is_of_voxels() &&
+                std::all_of(patches[v].ends.begin(), patches[v].ends.end(), is_seen))
+                row.patch = patches[v];
             for (const Index end : row.patch.ends)
                 row.patch_ends.push_back(moving(surface.node_of[end]));
-            own_offset_.push_back({own.mm, own_mean(*shapes_.reference[s], row)});
+            own_offset_.push_back(own_mean(*shapes_.reference[s], row));
             // The places of a node's patch are as many measurements, but those that share a voxel
             // share its information, and so do the two organs that meet at one interface node.
             const double share = std::min(
                 row.patch.num_places(), area[v] / std::max(options.independent_area_mm2,
                                                            shapes_.target[s]->measured_area_mm2()));
             row.independent_mm = options.noise_mm * std::sqrt(surfaces_at[node] / share);
+            row.num_measured = std::max(1.0, share);
             row.shared_factor = std::sqrt(surfaces_at[node]);
             rows_.push_back(row);
         }
@@ -88,30 +90,23 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
     }
 }
 
-ShapeDistance SurfaceObservations::distance_of(Index k, const std::vector<Vec3>& moved) const {
-    const Observation& row = rows_[k];
+ShapeDistance SurfaceObservations::distance_of(const Observation& row,
+                                               const std::vector<Vec3>& moved) const {
     const TargetShape& target = *shapes_.target[row.surface];
-    ShapeDistance node = target.measure(row.place + moved[0], row.facing);
+    ShapeDistance mean = target.measure(row.place + moved[0], row.facing);
+    if (moved.size() == 1) return mean;
     // sum_p w_p d(x_p + u_p), and sum_p w_p n_p
-    ShapeDistance mean = node;
-    mean.mm = row.patch.weights[0] * node.mm;
-    mean.normal = row.patch.weights[0] * node.normal;
-    mean.smooth_normal = row.patch.weights[0] * node.smooth_normal;
-    bool is_seen = node.is_seen;
-    for (std::size_t p = 1; p < row.patch.offsets.size() && is_seen; ++p) {
+    mean.mm *= row.patch.weights[0];
+    mean.normal *= row.patch.weights[0];
+    mean.smooth_normal *= row.patch.weights[0];
+    for (std::size_t p = 1; p < moved.size(); ++p) {
         const ShapeDistance there =
             target.measure(row.place + row.patch.offsets[p] + moved[p], row.facing);
         mean.mm += row.patch.weights[p] * there.mm;
         mean.normal += row.patch.weights[p] * there.normal;
         mean.smooth_normal += row.patch.weights[p] * there.smooth_normal;
-        is_seen = there.is_seen;
     }
-    if (is_seen) {
-        mean.mm -= own_offset_[k].patch_mm;
-        return mean;
-    }
-    node.mm -= own_offset_[k].node_mm;
-    return node;
+    return mean;
 }
 
 ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
@@ -132,8 +127,8 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
         for (const MovingNode& end : row.patch_ends)
             moved.push_back(0.5 * (u + end.displacement(driven, observed)) + of_frame);
         state.place.row(k) = row.place + moved[0];
-        const ShapeDistance target = distance_of(k, moved);
-        state.residual_mm[k] = target.mm;
+        const ShapeDistance target = distance_of(row, moved);
+        state.residual_mm[k] = target.mm - own_offset_[k];
         state.normal.row(k) = target.normal;
         state.smooth_normal.row(k) = target.smooth_normal;
         state.seen.push_back(target.is_seen);

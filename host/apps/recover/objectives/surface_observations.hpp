@@ -33,8 +33,8 @@ struct ObservationOptions {
     double terrace_range_spacings = 4.0;
     /// What the target was aligned by; empty: its frame is taken to be exact.
     std::vector<AlignedPoint> aligned;
-    /// Distances are means over patches, but to clouds; else those of nodes, whose derivatives by
-    /// the nodes' displacements are then exact.
+    /// Distances to what is of voxels are means over patches; else those of nodes, whose
+    /// derivatives by the nodes' displacements are then exact.
     bool over_patches = true;
 };
 
@@ -60,6 +60,7 @@ struct Observation {
     Index position = 0;  ///< in `RecoveryModel::driven` or `observed`
     bool on_driven = false;
     double independent_mm = 0;   ///< standard deviation: of a patch's mean, nodes may share voxels
+    double num_measured = 1;     ///< how many measurements its mean is of
     double shared_factor = 1;    ///< on what organs share at a node of both: root of their number
     Vec3 place = Vec3::Zero();   ///< reference position of the node, mm
     Vec3 facing = Vec3::Zero();  ///< outward normal of the surface there at rest
@@ -74,8 +75,8 @@ struct ObservedState {
     using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
     /// Gradient of the residual with respect to u, for a patch that moves as its node does.
     Vectors normal;
-    Vectors smooth_normal;           ///< of the shape (ShapeDistance), for linearised problems
-    Vectors place;                   ///< where x + u is seen, mm
+    Vectors smooth_normal;  ///< mean of the shape's (ShapeDistance), for linearised problems
+    Vectors place;          ///< where x + u is seen, mm
     std::vector<std::uint8_t> seen;  ///< [num_observations] 0: the target says nothing there
 };
 
@@ -104,15 +105,10 @@ private:
     std::vector<Observation> rows_;
     VoxelTerraces terraces_;
     FrameEvidence frame_;
-    /// d_target of a row's patch, each place moved by its own of `moved` (mm), less `own_offset_`;
-    /// of the node alone where the target does not show all of the patch.
-    ShapeDistance distance_of(Index row, const std::vector<Vec3>& moved) const;
+    /// Mean d_target of a row's patch, each place moved by its own of `moved` (mm).
+    ShapeDistance distance_of(const Observation& row, const std::vector<Vec3>& moved) const;
 
-    /// Of each row: d_reference of its node, and the mean of its patch.
-    struct OwnOffset {
-        double node_mm, patch_mm;
-    };
-    std::vector<OwnOffset> own_offset_;
+    std::vector<double> own_offset_;  ///< mean d_reference of each row's patch
     ObservedShapes shapes_;
 };
 

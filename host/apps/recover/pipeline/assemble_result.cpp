@@ -29,7 +29,7 @@ namespace {
 
 constexpr double picture_edge_mm = 2.5;
 /// Of a voxel: where the mesh's vertices lie further than this off the contours on average,
-/// phantoms came out up to a third too soft (1,500 and 2,500 nodes; not with 4,000 and more).
+/// phantoms came out up to two fifths too soft (1,500 and 2,500 nodes; not with 4,000 and more).
 constexpr double coarse_share_of_voxel = 0.15;
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
@@ -344,8 +344,8 @@ std::vector<std::string> warnings_about_elements(const RecoveryModel& recovery,
         worst_mm = offset_mm;
         warnings = {fmt::format(
             "The mesh is coarse for these contours: its surface of {} lies {:.2f} mm off them on "
-            "average. On phantoms with such meshes stiffnesses came out up to a third too soft, "
-            "and intervals missed; ask for more nodes.",
+            "average. On phantoms with such meshes stiffnesses came out up to two fifths too soft, "
+            "and intervals missed; take more nodes.",
             name_of_region(settings, observed.region), offset_mm)};
     }
     return warnings;

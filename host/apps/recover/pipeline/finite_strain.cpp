@@ -32,10 +32,12 @@ constexpr double finer_tolerance = 0.2;
 /// Steps of the load that are tried on the way; the end of the search goes further.
 constexpr double smallest_step = 0.02;
 
-/// Root mean square of what is independent from point to point, as it is assumed at first.
+/// Root mean square of what is independent from place to place, as it is assumed at first. What a
+/// response misses is smooth: means over patches do not make it smaller.
 double mean_noise_mm(const SurfaceObservations& observations) {
     double sum = 0;
-    for (const auto& row : observations.rows()) sum += row.independent_mm * row.independent_mm;
+    for (const auto& row : observations.rows())
+        sum += row.independent_mm * row.independent_mm * row.num_measured;
     return std::sqrt(sum / std::max<Index>(1, observations.num_rows()));
 }
 

@@ -31,16 +31,20 @@ ModulusEvidence evidence_at(const MapEstimate& estimate, Index k, double mesh_ch
 }
 
 /// The evidence on unknown `k`, other searches' ends and its strongest partner among the other
-/// unknown moduli included. What the mesh changes is known at the first end, and counted as an
-/// error as large at the others.
+/// unknown moduli included. What the mesh changes is known at the first end and
+/// taken to be the same at the others.
 ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
     const Index row = static_cast<Index>(k);
     const Eigen::MatrixXd& covariance = estimate.covariance;
     const double mesh_change =
         estimate.mesh_change_ln.size() > 0 ? estimate.mesh_change_ln[row] : 0;
     std::vector<ModulusAnswer> others;
-    for (const auto& other : estimate.others)
-        others.push_back({std::exp(other->theta[row]), evidence_at(*other, row, mesh_change)});
+    for (const auto& other : estimate.others) {
+        ModulusAnswer answer{std::exp(other->theta[row] + mesh_change),
+                             evidence_at(*other, row, mesh_change)};
+        for (double& end : answer.evidence.interval_kpa) end *= std::exp(mesh_change);
+        others.push_back(std::move(answer));
+    }
     ModulusEvidence evidence = evidence_with(
         {std::exp(estimate.theta[row]), evidence_at(estimate, row, mesh_change)}, others);
     for (Index other = 0; other < covariance.cols(); ++other) {
