@@ -122,7 +122,8 @@ TEST(SurfaceObservations, NodesAreMeasuredAloneWhereThatIsAskedFor) {
     Sheet sheet;
     sheet.options.over_patches = false;
 
-    for (const Observation& row : sheet.observations().rows()) EXPECT_TRUE(row.patch.ends.empty());
+    const auto observations = sheet.observations();
+    for (const Observation& row : observations.rows()) EXPECT_TRUE(row.patch.ends.empty());
 }
 
 }  // namespace
