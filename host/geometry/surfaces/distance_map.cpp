@@ -39,19 +39,7 @@ public:
     }
 
 private:
-    Index rival(const Vec3& x) const {
-        Index best = region_ == 0 ? 1 : 0;
-        double smallest = 1e300;
-        for (Index other = 0; other < field_.num_regions(); ++other) {
-            if (other == region_ || field_.lower_bound(other, x) >= smallest) continue;
-            const double value = field_.value(other, x);
-            if (value < smallest) {
-                smallest = value;
-                best = other;
-            }
-        }
-        return best;
-    }
+    Index rival(const Vec3& x) const { return field_.nearest_other(region_, x); }
     const LabelField& field_;
     Index region_;
 };

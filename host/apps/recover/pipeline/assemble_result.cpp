@@ -310,23 +310,14 @@ std::vector<std::string> warnings_about(const std::vector<SurfaceResult>& surfac
     return warnings;
 }
 
-/// From the surface between `region` and what is closest to it there.
-double distance_to_interface(const LabelField& contours, Index region, const Vec3& point) {
-    double beyond = std::numeric_limits<double>::infinity();
-    for (Index other = 0; other < contours.num_regions(); ++other)
-        if (other != region && contours.has_region(other) &&
-            contours.lower_bound(other, point) < beyond)
-            beyond = std::min(beyond, contours.value(other, point));
-    return std::isfinite(beyond) ? std::abs(contours.value(region, point) - beyond) / 2 : 0;
-}
-
 /// Of the vertices of an organ's surface from its contours in the reference, mm, by area.
 double mean_offset_mm(const ObservedSurface& observed, const LabelField& contours) {
     const auto areas = vertex_areas(observed.surface);
     double sum = 0, area = 0;
     for (std::size_t v = 0; v < areas.size(); ++v) {
-        sum += areas[v] *
-               distance_to_interface(contours, observed.region, observed.surface.vertices[v]);
+        const Vec3& x = observed.surface.vertices[v];
+        const Index beyond = contours.nearest_other(observed.region, x);
+        sum += areas[v] * std::abs(contours.interface_value(observed.region, beyond, x));
         area += areas[v];
     }
     return area > 0 ? sum / area : 0;
