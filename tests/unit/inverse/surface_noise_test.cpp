@@ -8,6 +8,8 @@
 #include <cmath>
 #include <set>
 
+#include "tests/unit/inverse/flat_organ.hpp"
+
 namespace palpate {
 namespace {
 
@@ -20,26 +22,14 @@ struct Plane : TargetShape {
 
 constexpr Index side = 15;  // nodes, 2 mm apart
 
-RecoveryModel flat_organ() {
-    RecoveryModel recovery;
-    ObservedSurface organ;
-    for (Index j = 0; j < side; ++j)
-        for (Index i = 0; i < side; ++i) {
-            const Index node = i + side * j;
-            recovery.model.mesh.nodes.emplace_back(2.0 * i, 2.0 * j, 0);
-            organ.surface.vertices.push_back(recovery.model.mesh.nodes.back());
-            organ.node_of.push_back(node);
-            recovery.observed.push_back(node);
-            if (i == 0 || j == 0) continue;
-            organ.surface.triangles.push_back({node, node - 1, node - side});
-            organ.surface.triangles.push_back({node - 1, node - side - 1, node - side});
-        }
-    recovery.surfaces.push_back(organ);
+RecoveryModel observed_organ() {
+    RecoveryModel recovery = flat_organ(side, 2.0);
+    recovery.observed = recovery.surfaces[0].node_of;
     return recovery;
 }
 
 struct Fixture {
-    RecoveryModel recovery = flat_organ();
+    RecoveryModel recovery = observed_organ();
     std::shared_ptr<const TargetShape> plane = std::make_shared<Plane>();
     SurfaceObservations observations{recovery,
                                      {{plane}, {plane}},

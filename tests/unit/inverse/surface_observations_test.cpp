@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "tests/unit/inverse/flat_organ.hpp"
+
 namespace palpate {
 namespace {
 
@@ -22,22 +24,11 @@ constexpr Index side = 7;  // nodes, 3 mm apart
 constexpr Index driven_node = 2 * side + 2, held_node = 4 * side + 4, middle = 3 * side + 3;
 
 RecoveryModel sheet() {
-    RecoveryModel recovery;
-    ObservedSurface organ;
-    for (Index node = 0; node < side * side; ++node) {
-        const Index i = node % side, j = node / side;
-        recovery.model.mesh.nodes.emplace_back(3.0 * i, 3.0 * j, 0);
-        organ.surface.vertices.push_back(recovery.model.mesh.nodes.back());
-        organ.node_of.push_back(node);
-        if (node == driven_node)
-            recovery.driven.push_back(node);
-        else if (node != held_node)
-            recovery.observed.push_back(node);
-        if (i == 0 || j == 0) continue;
-        organ.surface.triangles.push_back({node, node - 1, node - side});
-        organ.surface.triangles.push_back({node - 1, node - side - 1, node - side});
+    RecoveryModel recovery = flat_organ(side, 3.0);
+    for (const Index node : recovery.surfaces[0].node_of) {
+        if (node == driven_node) recovery.driven.push_back(node);
+        if (node != driven_node && node != held_node) recovery.observed.push_back(node);
     }
-    recovery.surfaces.push_back(organ);
     return recovery;
 }
 
@@ -121,7 +112,6 @@ TEST(SurfaceObservations, BesideWhatIsOutsideTheImageANodeStandsForItselfAlone) 
 TEST(SurfaceObservations, NodesAreMeasuredAloneWhereThatIsAskedFor) {
     Sheet sheet;
     sheet.options.over_patches = false;
-
     const auto observations = sheet.observations();
     for (const Observation& row : observations.rows()) EXPECT_TRUE(row.patch.ends.empty());
 }
