@@ -36,6 +36,8 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
     : terraces_(options.voxels, options.terrace_range_spacings), shapes_(std::move(shapes)) {
     const auto driven = positions(recovery.driven);
     const auto observed = positions(recovery.observed);
+    // Quadratic elements have nodes in the middles of edges.
+    const bool over_patches = options.over_patches && recovery.model.mesh.type == ElementType::tet4;
     const auto moving = [&](Index node) -> MovingNode {
         if (const auto found = driven.find(node); found != driven.end())
             return {true, found->second};
@@ -64,7 +66,7 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
             const ShapeDistance own = shapes_.reference[s]->measure(row.place, Vec3::Zero());
             row.facing = own.normal;
             const auto is_seen = [&](Index end) { return node_is_seen[surface.node_of[end]] != 0; };
-            if (options.over_patches && shapes_.target[s]->is_of_voxels() &&
+            if (over_patches && shapes_.target[s]->is_of_voxels() &&
                 std::all_of(patches[v].ends.begin(), patches[v].ends.end(), is_seen))
                 row.patch = patches[v];
             for (const Index end : row.patch.ends)
@@ -120,7 +122,7 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
     std::vector<Vec3> moved;
     for (Index k = 0; k < num_rows(); ++k) {
         const auto& row = rows_[k];
-        const Vec3 u = (row.on_driven ? driven : observed).segment<3>(3 * row.position);
+        const Vec3 u = MovingNode{row.on_driven, row.position}.displacement(driven, observed);
         const Vec3 of_frame = frame_.frame.displacement(frame, row.place);
         moved.assign(1, u + of_frame);
         // On a straight edge of linear elements u(middle) = (u_v + u_w) / 2.

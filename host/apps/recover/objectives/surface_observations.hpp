@@ -33,8 +33,8 @@ struct ObservationOptions {
     double terrace_range_spacings = 4.0;
     /// What the target was aligned by; empty: its frame is taken to be exact.
     std::vector<AlignedPoint> aligned;
-    /// Distances to what is of voxels are means over patches; else those of nodes, whose
-    /// derivatives by the nodes' displacements are then exact.
+    /// Distances to what is of voxels are means over patches, with linear elements; else those of
+    /// nodes, whose derivatives by the nodes' displacements are then exact.
     bool over_patches = true;
 };
 

@@ -31,8 +31,8 @@ ModulusEvidence evidence_at(const MapEstimate& estimate, Index k, double mesh_ch
 }
 
 /// The evidence on unknown `k`, other searches' ends and its strongest partner among the other
-/// unknown moduli included. What the mesh changes is known at the first end and
-/// taken to be the same at the others.
+/// unknown moduli included. What the mesh changes is known at the first end and taken to be the
+/// same at the others.
 ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
     const Index row = static_cast<Index>(k);
     const Eigen::MatrixXd& covariance = estimate.covariance;

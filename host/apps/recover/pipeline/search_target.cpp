@@ -159,9 +159,8 @@ Recovered search_target(const PreparedReference& prepared, const TargetState& ta
     found.target = shapes.get();
     ObservationOptions seen =
         observation_options(options.settings, prepared.reference.state, target);
-    // The published search needs exact gradients; quadratic elements have a node in the middles.
-    seen.over_patches = options.method != SearchMethod::nested_lbfgs &&
-                        found.recovery.model.mesh.type == ElementType::tet4;
+    // The published search needs exact gradients.
+    seen.over_patches = options.method != SearchMethod::nested_lbfgs;
     const SurfaceObservations observations(found.recovery, observed_shapes(prepared, found),
                                            seen_nodes(found.recovery.model.mesh, target), seen);
     check_anything_seen(observations, found.recovery);
