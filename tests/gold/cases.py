@@ -13,6 +13,8 @@ PHANTOMS = pathlib.Path(__file__).parent / "phantoms"
 
 # A modulus may move by this share of its own standard deviation, or by a hundredth.
 SHARE_OF_SD = 0.15
+# The end on the MR pair depends on rounding: transition zone 41 kPa with one BLAS thread, 36 with two.
+MR_SHARE_OF_SD = 0.4
 LEAST_RELATIVE = 0.01
 
 SMALL_MESH = ["--nodes", 2500]  # a change of the code shows there as well, in half the time
@@ -51,7 +53,7 @@ def _read(path):
     return json.loads(path.read_text())
 
 
-def _recovered_figures(report):
+def _recovered_figures(report, share_of_sd=SHARE_OF_SD):
     """{figure: [value, tolerance]} of a result.json; texts and flags must be equal."""
     figures = {"converged": [report["termination"]["converged"], None]}
     for region in report["regions"]:
@@ -61,7 +63,7 @@ def _recovered_figures(report):
         figures[f"{name}.verdict"] = [region["verdict"], None]
         if region["verdict"] != "not identifiable":
             sd = math.log(high / low) / 3.92
-            relative = max(SHARE_OF_SD * sd, LEAST_RELATIVE)
+            relative = max(share_of_sd * sd, LEAST_RELATIVE)
             figures[f"{name}.stiffness_kpa"] = [value, relative * value]
             figures[f"{name}.low_kpa"] = [low, 2 * relative * low]
             figures[f"{name}.high_kpa"] = [high, 2 * relative * high]
@@ -130,8 +132,8 @@ def _run_mr_pair(folder):
     config = folder / "organs.toml"
     config.write_text(text.replace("contour_sd_mm = 0.5", 'contour_sd_mm = "unknown"'))
     out = _recover(folder, data / "reference_labels.nii.gz", data / "deformed_labels.nii.gz", "--config", config,
-                   "--initial-transform", ROOT / "examples/pelvis_mr/align.tfm", "--one-search")  # where others end depends on rounding
-    return _recovered_figures(_read(out / "result.json"))
+                   "--initial-transform", ROOT / "examples/pelvis_mr/align.tfm", "--one-search")  # other ends: tests/inverse/test_real_data.py
+    return _recovered_figures(_read(out / "result.json"), MR_SHARE_OF_SD)
 
 
 def _run_lung_pair(folder):
