@@ -10,11 +10,11 @@
 
 namespace palpate {
 
-/// Signed distance (mm, negative inside) to the interface of one region, twice differentiable:
-/// distances to the zero level of a `LabelField` (exact up to 4 mm, some 0.02 mm off on average
-/// beyond), sampled on a regular grid and interpolated by cubic B-splines. This is the smooth
-/// closest point of the inverse problem: the closest point of y is y - d(y) grad d(y), without the
-/// kinks of a faceted surface.
+/// Signed distance (mm, negative inside) to the boundary of one region, twice differentiable:
+/// distances to the zero of its own level in a `LabelField` (exact up to 4 mm, some 0.02 mm off on
+/// average beyond), sampled on a regular grid and interpolated by cubic B-splines. This is the
+/// smooth closest point of the inverse problem: the closest point of y is y - d(y) grad d(y),
+/// without the kinks of a faceted surface.
 class DistanceMap : public TargetShape {
 public:
     /// The map reaches `margin_mm` beyond the region's voxels; further out it continues linearly.

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include "host/geometry/surfaces/closest_point.hpp"
@@ -45,6 +47,31 @@ MapErrors sphere_errors(const DistanceMap& map, double radius) {
     std::printf("    r %.0f: distance mean %.3f rms %.3f max %.3f mm, slope rms %.3f max %.3f\n",
                 radius, e.value.mean, e.value.rms, e.value.max, e.slope.rms, e.slope.max);
     return e;
+}
+
+/// A sphere of 15 mm, and another one on its right if that is `with_other`, `gap_mm` from it.
+DistanceMap map_beside_a_gap(double gap_mm, bool with_other) {
+    constexpr double radius = 15;
+    const Vec3 left(0.13, 0.37, 0.29), right = left + Vec3(2 * radius + gap_mm, 0, 0);
+    const ImageGrid grid = grid_around(0.5 * (left + right), 84, Vec3::Constant(1.0));
+    RegionImage image = voxelised_sphere(grid, left, radius);
+    const RegionImage other = voxelised_sphere(grid, right, radius);
+    for (std::size_t v = 0; with_other && v < image.voxels.size(); ++v)
+        if (other.voxels[v] == first_organ_region) image.voxels[v] = first_organ_region + 1;
+    return DistanceMap(LabelField(image, 4), first_organ_region, 6);
+}
+
+TEST(DistanceMap, OfAnOrganDoesNotDependOnAnotherBesideIt) {
+    for (const double gap_mm : {1.2, 2.0, 2.5, 3.0}) {
+        const DistanceMap alone = map_beside_a_gap(gap_mm, false),
+                          beside = map_beside_a_gap(gap_mm, true);
+        double largest = 0;
+        for (const Vec3& ray : unit_vectors(500)) {
+            const Vec3 x = Vec3(0.13, 0.37, 0.29) + 15 * ray;
+            largest = std::max(largest, std::abs(alone.value(x) - beside.value(x)));
+        }
+        EXPECT_LT(largest, 0.01) << gap_mm;  // 0.04 against half of what is left of a rival's
+    }
 }
 
 TEST(DistanceMap, OfAFinelyVoxelisedSphereIsItsDistance) {

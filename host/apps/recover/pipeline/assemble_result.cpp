@@ -315,9 +315,7 @@ double mean_offset_mm(const ObservedSurface& observed, const LabelField& contour
     const auto areas = vertex_areas(observed.surface);
     double sum = 0, area = 0;
     for (std::size_t v = 0; v < areas.size(); ++v) {
-        const Vec3& x = observed.surface.vertices[v];
-        const Index beyond = contours.nearest_other(observed.region, x);
-        sum += areas[v] * std::abs(contours.interface_value(observed.region, beyond, x));
+        sum += areas[v] * std::abs(contours.value(observed.region, observed.surface.vertices[v]));
         area += areas[v];
     }
     return area > 0 ? sum / area : 0;
