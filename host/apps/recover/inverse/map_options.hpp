@@ -28,8 +28,8 @@ struct MapOptions {
     // Converged: three steps in a row of which none would change ln E by more than the first times
     // its posterior standard deviation, or the objective (a log posterior) by more than the second
     // times the number of surface points.
-    double modulus_tolerance_sd = 0.1;
-    double objective_tolerance_per_row = 1e-3;
+    double modulus_tolerance_sd = 0.02;
+    double objective_tolerance_per_row = 2e-4;
     double smallest_kpa = 0.1, largest_kpa = 1e5;  ///< the search stays between these
     /// If above 1: every modulus stays within this factor of where the search starts.
     double reach = 0;

@@ -18,16 +18,23 @@ namespace {
 constexpr std::size_t most_rows = 250;  ///< of one wall
 constexpr int most_trials = 80;
 constexpr double first_step = 0.7, tolerance = 0.02;  // of what the search sees
-// What is expected of motions, over the standard deviation and range in the settings: medians, and
-// the spread of logarithms.
-constexpr double normal_of_sd = 0.8, range_of_range = 0.75, tangential_median = 0.3;
+// What is expected of motions before the settings are read: medians, and the spread of logarithms.
+constexpr double normal_median_mm = 4.0, range_median_mm = 30.0, tangential_median = 0.3;
 constexpr double normal_spread = 0.79, range_spread = 0.59,
                  tangential_spread = 0.79;  // ln 2.2, 1.8
-constexpr double rigid_of_sd = 0.6;
+// The same as the settings say it, where the fit starts.
+constexpr double normal_of_sd = 0.8, range_of_range = 0.75;
+constexpr double rigid_of_sd = 0.6, least_rigid_mm = 3.0;
 constexpr double slide_mm = 1.5;  // along a wall, however little its normals show
 constexpr double farthest = 3.0;  // from the medians, in these
 constexpr double least_range_mm = 10.0;
 constexpr double nugget = 1e-6;  // of the variance, so that long ranges can be factorised
+
+/// Standard deviation of a wall's motion as a body. Its distances know such motions to a tenth of a
+/// millimetre, so that it matters only that it is not too small.
+double rigid_of(const WallExpectation& expected) {
+    return std::max(least_rigid_mm, rigid_of_sd * expected.sd_mm);
+}
 
 /// Motion along a wall over that along its normals. Distances hardly see a wall slide along itself,
 /// so that they cannot exclude it.
@@ -112,8 +119,7 @@ std::vector<Distances> distances_of(const WallPrior& prior, const std::vector<Li
                 wall.apart_mm(i, j) = (wall.rows[i].place - row.place).norm();
         }
         if (n == 0) continue;
-        const auto motions =
-            rigid_motions(places_of(prior, w), rigid_of_sd * prior.expectation().sd_mm);
+        const auto motions = rigid_motions(places_of(prior, w), rigid_of(prior.expectation()));
         Eigen::MatrixXd seen(n, 6);
         for (Index j = 0; j < n; ++j)
             seen.row(j) = wall.rows[j].normal.transpose() *
@@ -165,12 +171,22 @@ public:
         for (std::size_t w = 0; w < n; ++w)
             scale.walls.push_back(
                 // median exp(spread x): x ~ N(0, 1) is a log-normal prior
-                {normal_of_sd * expected_.sd_mm * std::exp(normal_spread * x[n + w]),
-                 std::max(least_range_mm,
-                          range_of_range * expected_.range_mm * std::exp(range_spread * x[w]))});
-        scale.rigid_mm = rigid_of_sd * expected_.sd_mm;
+                {normal_median_mm * std::exp(normal_spread * x[n + w]),
+                 std::max(least_range_mm, range_median_mm * std::exp(range_spread * x[w]))});
+        scale.rigid_mm = rigid_of(expected_);
         scale.tangential = tangential_median * std::exp(tangential_spread * x[2 * n]);
         return scale;
+    }
+    /// `scale_at` of it is `scale`, as far as the search goes.
+    Eigen::VectorXd position_of(const WallMotionScale& scale) const {
+        Eigen::VectorXd x(num_unknown());
+        const std::size_t n = walls_.size();
+        for (std::size_t w = 0; w < n; ++w) {
+            x[w] = std::log(scale.walls[w].range_mm / range_median_mm) / range_spread;
+            x[n + w] = std::log(scale.walls[w].normal_mm / normal_median_mm) / normal_spread;
+        }
+        x[2 * n] = std::log(scale.tangential / tangential_median) / tangential_spread;
+        return x.cwiseMax(-farthest).cwiseMin(farthest);
     }
     double cost(const Eigen::VectorXd& x) const {
         const WallMotionScale scale = scale_at(x);
@@ -201,7 +217,7 @@ WallMotionScale expected_scale(const WallPrior& prior) {
     scale.walls.assign(prior.walls().size(),
                        {normal_of_sd * expected.sd_mm, range_of_range * expected.range_mm});
     scale.tangential = tangential_median;
-    scale.rigid_mm = rigid_of_sd * expected.sd_mm;
+    scale.rigid_mm = rigid_of(expected);
     return scale;
 }
 
@@ -211,7 +227,7 @@ WallMotionScale fit_walls(const WallPrior& prior, const std::vector<LinearRow>& 
     const auto cost = [&](const Eigen::VectorXd& x) { return evidence.cost(x); };
     // However it ends, its best point counts.
     const TrustRegionMinimum best =
-        minimise_in_trust_region(cost, Eigen::VectorXd::Zero(evidence.num_unknown()),
+        minimise_in_trust_region(cost, evidence.position_of(expected_scale(prior)),
                                  {-farthest, farthest, first_step, tolerance, most_trials});
     return evidence.scale_at(best.x);
 }

@@ -26,9 +26,6 @@ constexpr double widest_reach = 3.0, narrowest_reach = 1.2;
 constexpr double near_mm = 0.3;
 /// What a response model may leave out, as a part of the least noise.
 constexpr double left_out_of_noise = 0.3, most_left_out_mm = 0.1;
-/// A step of the search costs a fiftieth of a round, so that each search goes further than one
-/// alone.
-constexpr double finer_tolerance = 0.2;
 /// Steps of the load that are tried on the way; the end of the search goes further.
 constexpr double smallest_step = 0.02;
 
@@ -187,8 +184,6 @@ void Rounds::search() {
     MapOptions search = options_.search;
     search.reach = reach_;
     search.smallest_noise_scale = least_noise_mm_ / noise_mm_;
-    search.modulus_tolerance_sd *= finer_tolerance;
-    search.objective_tolerance_per_row *= finer_tolerance;
     found_.estimate = map_estimate_near(found_.estimate, *found_.response, rest_.walls,
                                         observations_, rest_.unknowns, search, progress_);
     keep_records();
