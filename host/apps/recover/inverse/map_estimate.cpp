@@ -21,7 +21,7 @@ namespace {
 
 constexpr int remembered_steps = 8;
 constexpr int needed_quiet_steps = 3;
-constexpr int tolerated_stalls = 8;
+constexpr int tolerated_stalls = 20;
 constexpr int noise_rounds = 4;  // at each linearisation
 constexpr double deeper = 0.1;   // of F, by which another valley must be
 constexpr double same_end_mm = 1.0, same_end_sd = 0.5;
