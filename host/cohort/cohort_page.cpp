@@ -213,7 +213,8 @@ std::string cohort_page(const CohortView& view) {
         {.kind = "Stiffness of a cohort",
          .version = version_text(),
          .headline = fmt::format("{} of {} pairs have a result", with_result, cases),
-         .lead = fmt::format("<p class='summary'>{} patients.</p>{}", status.patients, doors),
+         .lead = fmt::format("<p class='summary'>{} patient{}.</p>{}", status.patients,
+                             status.patients == 1 ? "" : "s", doors),
          .main = section_html("counts", "Where the pairs are",
                               "<div class='columns'><div>" +
                                   flow_table(view.flow, status.bad_rows_left_out) + "</div><div>" +

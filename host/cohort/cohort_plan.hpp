@@ -69,8 +69,8 @@ struct CohortPlan : PlanHead {
     std::size_t num_cases() const;  ///< that are not excluded
 };
 
-/// Core seconds: for a reference, and for each of its targets.
-inline constexpr double reference_estimate_s = 6, target_estimate_s = 2;
+/// Core seconds: for a reference, and for each of its targets (docs/performance.md).
+inline constexpr double reference_estimate_s = 11, target_estimate_s = 10;
 
 /// Seconds that a target, or the reference, may take.
 double limit_s(const PlanHead& plan);

@@ -9,7 +9,7 @@ import pytest
 from tests.cli.test_cohort import assert_each_case_is_done_once, journal_cases, plan, rows_of, run, status, wait_until
 from tests.conftest import PROGRAM, ROOT, run_palpate
 
-SHARDS = "[plan]\nshard_minutes = 0.5\n[limits]\ntarget_seconds = 30\n"
+SHARDS = "[plan]\nshard_minutes = 1.7\n[limits]\ntarget_seconds = 30\n"
 
 
 @pytest.fixture(scope="module")

@@ -52,8 +52,12 @@ int plan_cohort(const PlanArguments& a) {
     write_planned(planned, folder, a.skip_bad);
     double seconds = 0;
     for (const CohortPatient& patient : planned.plan.patients) seconds += patient.estimate_s;
-    fmt::print("{} pairs of {} patients, about {:.2g} core hours, kept as '{}'\n",
-               planned.plan.num_cases(), planned.plan.patients.size(), seconds / 3600,
+    const auto counted = [](std::size_t count, std::string_view what) {
+        return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+    };
+    fmt::print("{} of {}, about {:.2g} core hours, kept as '{}'\n",
+               counted(planned.plan.num_cases(), "pair"),
+               counted(planned.plan.patients.size(), "patient"), seconds / 3600,
                name_of(planned.plan.keep));
     if (planned.plan.num_bad_rows > 0)
         fmt::print("{} bad rows are left out: {}\n", planned.plan.num_bad_rows,

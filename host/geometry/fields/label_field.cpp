@@ -194,6 +194,20 @@ double LabelField::interface_value(Index a, Index b, const Vec3& point, Vec3* gr
     return 0.5 * difference;
 }
 
+Index LabelField::nearest_other(Index region, const Vec3& point) const {
+    Index best = region == 0 ? 1 : 0;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (Index other = 0; other < num_regions(); ++other) {
+        if (other == region || lower_bound(other, point) >= smallest) continue;
+        const double distance = value(other, point);
+        if (distance < smallest) {
+            smallest = distance;
+            best = other;
+        }
+    }
+    return best;
+}
+
 Index LabelField::region_at(const Vec3& point) const {
     if (inside_box(point)) {
         const Vec3 index = grid_.to_index(point).array().round();

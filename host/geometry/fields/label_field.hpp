@@ -41,6 +41,8 @@ public:
     double value(Index region, const Vec3& point, Vec3& gradient) const;
     /// Signed distance towards the interface between two regions: (value_a - value_b) / 2.
     double interface_value(Index a, Index b, const Vec3& point, Vec3* gradient = nullptr) const;
+    /// The region with the smallest value but `region`: what that one meets there.
+    Index nearest_other(Index region, const Vec3& point) const;
     /// The region with the smallest value.
     Index region_at(const Vec3& point) const;
     /// Whether the point lies inside the image box (voxel edges, not centres).

@@ -141,7 +141,10 @@ TEST(FitWalls, FindsHowFarAWallMovedAndOverWhatLength) {
 }
 
 TEST(FitWalls, KeepsWhatIsExpectedOfWallsThatAreNotSeen) {
-    const Sphere sphere(30);
+    Sphere sphere(30);
+    sphere.expected.sd_mm = 10;
+    sphere.expected.range_mm = 25;
+    sphere.prior = std::make_unique<WallPrior>(sphere.prior->precision(), sphere.expected);
     const auto found = fit_walls(*sphere.prior, {}, Eigen::VectorXd::Zero(90), {});
     const auto expected = expected_scale(*sphere.prior);
     EXPECT_NEAR(found.walls[0].normal_mm, expected.walls[0].normal_mm, 0.05);

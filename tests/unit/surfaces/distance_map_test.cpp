@@ -74,6 +74,30 @@ TEST(DistanceMap, OfAnOrganDoesNotDependOnAnotherBesideIt) {
     }
 }
 
+/// A layer 0 < z < `thickness` between two other regions, at its middle: means over both faces.
+double error_of_a_layer(Index thickness) {
+    ImageGrid grid = grid_around(Vec3::Zero(), 41, Vec3::Constant(1.0));
+    grid.origin.z() += 0.5;  // between planes of voxels
+    const LabelField field(voxelised(grid,
+                                     [&](const Vec3& x) -> Index {
+                                         if (x.z() < 0) return first_organ_region;
+                                         return x.z() < double(thickness) ? first_organ_region + 1
+                                                                          : background_region;
+                                     }),
+                           4);
+    const DistanceMap map(field, first_organ_region + 1, 6);
+    return 0.5 * (map.value(Vec3(0.2, 0.3, 0)) + map.value(Vec3(0.2, 0.3, double(thickness))));
+}
+
+TEST(DistanceMap, OfAThinLayerErrsByNoMoreThanTheMeanOfBothFields) {
+    for (const Index voxels : {2, 3, 4}) {
+        const double error = error_of_a_layer(voxels);
+        std::printf("    %d voxels: %.3f mm\n", int(voxels), error);
+        EXPECT_LT(std::abs(error), 0.05);  // 0.05 to 0.084 with the layer's own field alone
+    }
+    EXPECT_LT(std::abs(error_of_a_layer(8)), 0.005);
+}
+
 TEST(DistanceMap, OfAFinelyVoxelisedSphereIsItsDistance) {
     for (double radius : {8.0, 15.0}) {
         const MapErrors e =

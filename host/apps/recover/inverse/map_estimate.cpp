@@ -247,7 +247,9 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         }
         if (is_noise_new) continue;
         if (!is_noise_open && is_at_known_end(state)) return known_end(state);
-        const double changed = largest(in_standard_deviations(state.theta - theta_before, best));
+        // A step that the line search refused stays where it was: what was proposed counts then.
+        const Eigen::VectorXd change = (improved ? state.theta : best.theta) - theta_before;
+        const double changed = largest(in_standard_deviations(change, best));
         const double objective_changed =
             k == 1 ? 1e300 : std::abs(records_[k - 1].objective - records_[k - 2].objective);
         const bool is_quiet =

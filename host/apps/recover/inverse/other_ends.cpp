@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -13,6 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr std::array other_walls = {FirstWalls::sliding, FirstWalls::broad};
+constexpr double tolerance_sd = 0.1, tolerance_per_row = 1e-3;
 constexpr auto between_looks = std::chrono::milliseconds(50);
 
 /// Searches that still run when something throws are not waited for to their ends.
@@ -48,6 +50,10 @@ std::vector<std::shared_ptr<const MapEstimate>> other_ends(
     for (std::size_t k = 0; k < other_walls.size(); ++k) {
         begins[k] = options;
         begins[k].first_walls = other_walls[k];
+        // Where they end matters, to a part of what an interval is wide.
+        begins[k].modulus_tolerance_sd = std::max(options.modulus_tolerance_sd, tolerance_sd);
+        begins[k].objective_tolerance_per_row =
+            std::max(options.objective_tolerance_per_row, tolerance_per_row);
         begins[k].known_end = {found.driven, found.theta,
                                found.covariance.diagonal().cwiseAbs().cwiseSqrt()};
         searches.push_back(std::async(std::launch::async, [&, k] {

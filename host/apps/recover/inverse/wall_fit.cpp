@@ -162,17 +162,24 @@ class Evidence {
 public:
     Evidence(const WallPrior& prior, const std::vector<LinearRow>& rows,
              const Eigen::VectorXd& driven, const FramePrior& frame)
-        : expected_(prior.expectation()), walls_(distances_of(prior, rows, driven, frame)) {}
+        : expected_(prior.expectation()),
+          settings_(expected_scale(prior)),
+          walls_(distances_of(prior, rows, driven, frame)) {}
 
     Index num_unknown() const { return static_cast<Index>(2 * walls_.size() + 1); }
     WallMotionScale scale_at(const Eigen::VectorXd& x) const {
         WallMotionScale scale;
         const std::size_t n = walls_.size();
-        for (std::size_t w = 0; w < n; ++w)
+        for (std::size_t w = 0; w < n; ++w) {
+            if (walls_[w].rows.empty()) {  // nothing shows another
+                scale.walls.push_back(settings_.walls[w]);
+                continue;
+            }
             scale.walls.push_back(
                 // median exp(spread x): x ~ N(0, 1) is a log-normal prior
                 {normal_median_mm * std::exp(normal_spread * x[n + w]),
                  std::max(least_range_mm, range_median_mm * std::exp(range_spread * x[w]))});
+        }
         scale.rigid_mm = rigid_of(expected_);
         scale.tangential = tangential_median * std::exp(tangential_spread * x[2 * n]);
         return scale;
@@ -206,6 +213,7 @@ public:
 
 private:
     const WallExpectation& expected_;
+    WallMotionScale settings_;  ///< what they say, for walls that are not seen
     std::vector<Distances> walls_;
 };
 

@@ -24,6 +24,7 @@ bool is_same_noise(const NoiseLevel& a, const NoiseLevel& b) {
 /// Objectives of trials are compared with each other, so each search must end closer to its minimum
 /// than one whose moduli alone matter.
 constexpr double objective_tolerance_per_row = 1e-4;
+constexpr double modulus_tolerance_sd = 0.1;  // trials compare objectives
 /// For the same reason less is left out of the response model.
 constexpr double response_refinement = 0.3;
 
@@ -113,6 +114,7 @@ RatioTrial RatioSearch::evaluate(const Eigen::VectorXd& ratios) {
     MapOptions search = options_.search;
     search.objective_tolerance_per_row =
         std::min(search.objective_tolerance_per_row, objective_tolerance_per_row);
+    search.modulus_tolerance_sd = std::max(search.modulus_tolerance_sd, modulus_tolerance_sd);
     last_ = map_estimate_from(last_, mechanics->response, mechanics->walls, observations_,
                               mechanics->unknowns, search);
     last_.posterior.reset();  // points into these mechanics
