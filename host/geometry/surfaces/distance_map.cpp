@@ -51,15 +51,17 @@ public:
 
 private:
     static constexpr double depth_smoothings = 2.5;
-    static constexpr double thick_mm = 0.1, thin_mm = 0.4;  // per mm of smoothing
+    static constexpr double thick_slope = 0.85, thin_slope = 0.35;
 
-    /// 0 where the field falls by `depth_mm_` on the way inward, 1 where it falls by much less.
+    /// 0 where the field still falls at `depth_mm_` inside, 1 where it has come to its ridge.
     double thinness(const Vec3& x, double own, const Vec3& gradient) const {
         const double slope = gradient.norm();
         if (!(slope > 0)) return 1;
-        const Vec3 inside = x - (depth_mm_ + own) / slope * gradient;
-        const double missing = (field_.value(region_, inside) + depth_mm_) / field_.smoothing_mm();
-        return std::clamp((missing - thick_mm) / (thin_mm - thick_mm), 0.0, 1.0);
+        const Vec3 outward = gradient / slope;
+        Vec3 inside_gradient;
+        field_.value(region_, x - (depth_mm_ + own) * outward, inside_gradient);
+        const double falls = inside_gradient.dot(outward);
+        return std::clamp((thick_slope - falls) / (thick_slope - thin_slope), 0.0, 1.0);
     }
 
     const LabelField& field_;
