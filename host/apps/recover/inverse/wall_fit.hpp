@@ -28,8 +28,8 @@ WallMotionScale expected_scale(const WallPrior& prior);
 
 /// The scale of largest evidence: the density of the walls' distances alone, given `rows`
 /// linearised at the driven displacement `driven` with their noise held, times log-normal priors
-/// (method.md, 3.2) that are the same whatever `prior` expects: that is where the search starts, and what is kept of walls without rows.
-/// With C the covariance of the distances of one wall,
+/// (method.md, 3.2) that are the same whatever `prior` expects: that is where the search starts,
+/// and what is kept of walls without rows. With C the covariance of the distances of one wall,
 ///   -2 L = sum over walls of y^T C^-1 y + ln det C,   C_ij = n_i Cov(u_i, u_j) n_j + R_ij,
 /// Cov as in WallPrior with c_ij = s^2 (1 + q) exp(-q), q = sqrt(3) d / range (Matern 3/2), and
 /// rigid motions of the standard deviation that is expected, by
