@@ -107,14 +107,13 @@ TEST(FiniteStrain, FindsTheTruthWhereLinearElasticityDoesNot) {
     const auto found =
         search_finite_strain(block.rest, TissueLaw{"neo-hookean"}, seen, Block::options());
 
-    // 0.75 of its deviation
-    EXPECT_LT(std::abs(percent_off(std::exp(found.estimate.theta[0]), true_kpa)), 6);
+    EXPECT_LT(std::abs(percent_off(std::exp(found.estimate.theta[0]), true_kpa)), 3);
     EXPECT_GT(std::abs(percent_off(std::exp(found.first.theta[0]), true_kpa)), 6);
     EXPECT_LE(found.estimate.interval_kpa[0][0], true_kpa);
     EXPECT_GE(found.estimate.interval_kpa[0][1], true_kpa);
     EXPECT_TRUE(found.state.converged);
     EXPECT_LT(found.gap_mm, 0.02);
-    EXPECT_LT((found.state.displacement - truth).norm(), 0.22 * truth.norm());
+    EXPECT_LT((found.state.displacement - truth).norm(), 0.2 * truth.norm());
 }
 
 /// Laws with kappa/2 (J - 1)^2 do not resist being crushed, so that walls move less than above.
@@ -158,17 +157,16 @@ TEST(FiniteStrain, ChangesNothingForTheLinearLaw) {
     FiniteStrainOptions options = Block::options();
     options.search.estimate_noise = false;
     options.search.smallest_noise_scale = 1;  // both take the same noise
-    options.search.modulus_tolerance_sd = 0.002;
+    options.search.modulus_tolerance_sd = 0.01;
 
     const auto found = search_finite_strain(block.rest, TissueLaw{}, seen, options);
 
     const double kpa = std::exp(found.estimate.theta[0]), first = std::exp(found.first.theta[0]);
-    // A quarter of its deviation, within which half steps end where the line search refuses others.
-    EXPECT_LT(std::abs(percent_off(kpa, first)), 3);
+    EXPECT_LT(std::abs(percent_off(kpa, first)), 2);  // a quarter of its deviation
     EXPECT_LT(found.gap_mm, 0.002);
     for (int end : {0, 1})
         EXPECT_NEAR(found.estimate.interval_kpa[0][end] / found.first.interval_kpa[0][end], 1,
-                    0.02);
+                    0.01);
 }
 
 TEST(FiniteStrain, SaysThatItDidNotSettle) {

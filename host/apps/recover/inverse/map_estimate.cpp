@@ -226,6 +226,8 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
     int quiet_steps = 0, stalls = 0;
+    std::optional<SearchState> lowest;  // since steps were refused, the noise the same throughout
+    double lowest_objective = 0;
     bool is_checked = !is_scanned || unknowns_.empty();  // for deeper valleys
     for (int k = 1; k <= options_.max_iterations; ++k) {
         const bool is_noise_open = k < options_.noise_iterations && !held_;
@@ -240,9 +242,15 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         state = recounted(std::move(state));
         record(k, state, best, moved);
         termination.iterations = k;
+        if (is_noise_new || is_noise_open) lowest.reset();
+        if (lowest ? records_.back().objective < lowest_objective : !improved) {
+            lowest = state;
+            lowest_objective = records_.back().objective;
+        }
         if (k + 1 == options_.noise_iterations && is_noise_open && is_scanned) {
             state = with_fitted_walls(state);
             acceleration.reset();
+            lowest.reset();
             continue;
         }
         if (is_noise_new) continue;
@@ -259,6 +267,7 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         if (quiet_steps == needed_quiet_steps) {
             if (!std::exchange(is_checked, true) && leaves_valley(state)) {
                 acceleration.reset();
+                lowest.reset();
                 quiet_steps = 0;
                 continue;
             }
@@ -277,6 +286,8 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         }
         if (!improved) state = recounted(blind_step(state, best));
     }
+    // Half steps that no line search guards may climb.
+    if (lowest && lowest_objective < records_.back().objective) state = *std::move(lowest);
     if (!std::isfinite(state.objective))
         throw Error(
             ErrorCode::solve_failed,
