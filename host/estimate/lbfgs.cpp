@@ -4,6 +4,7 @@
 
 #include <nlopt.h>
 
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -24,7 +25,8 @@ using Optimiser = std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nl
 constexpr int num_starts = 3;
 constexpr double shift = 1e-3;       ///< between them
 constexpr double stationary = 1e-6;  ///< projected gradient, relative to 1 + |value|
-/// Searches that an objective which is not finite now and then may begin again at the best point.
+/// Searches that may begin again at the best point: of an objective that is not finite now and
+/// then, or whose kinks let a line search find nothing lower.
 constexpr int most_restarts = 2;
 
 /// What the library calls: no exception may cross it, and nothing that is not finite.
@@ -92,7 +94,7 @@ void explain(nlopt_result code, LbfgsResult& result) {
             return;
         case NLOPT_FTOL_REACHED:
             result.converged = true;
-            result.reason = "two steps in a row changed the objective by less than the tolerance";
+            result.reason = "the last steps changed the objective by less than the tolerance";
             return;
         case NLOPT_MAXEVAL_REACHED:
             result.reason = "the allowed number of evaluations was used up";
@@ -148,14 +150,28 @@ LbfgsResult minimise_lbfgs(const DifferentiableFunction& function, const Eigen::
     best.start_gradient = projected_gradient(best.x, evaluation.gradient, options);
     const double start_value = best.value;
     nlopt_result code = NLOPT_FAILURE;
+    bool is_stuck = false;
+    const auto start = std::chrono::steady_clock::now();
     for (int restart = 0; restart <= most_restarts; ++restart) {
         const int bad_before = evaluation.num_not_finite;
+        const double value_before = best.value;
+        if (options.time_limit_s > 0 && restart > 0) {
+            const std::chrono::duration<double> used = std::chrono::steady_clock::now() - start;
+            if (used.count() >= options.time_limit_s) break;
+            nlopt_set_maxtime(optimiser.get(), options.time_limit_s - used.count());
+        }
         Eigen::VectorXd end = best.x;
         double value = 0;
         code = nlopt_optimize(optimiser.get(), end.data(), &value);
         if (evaluation.failure) std::rethrow_exception(evaluation.failure);
-        if (evaluation.num_not_finite == bad_before || best.evaluations >= options.max_evaluations)
-            break;
+        const bool is_finite = evaluation.num_not_finite == bad_before;
+        const double gain = value_before - best.value;
+        if (is_stuck && is_finite && best.value < start_value &&
+            gain <= options.relative_tolerance * std::abs(best.value))
+            code = NLOPT_FTOL_REACHED;
+        is_stuck = code == NLOPT_FAILURE && is_finite && gain > 0;
+        if (is_finite && !is_stuck) break;
+        if (best.evaluations >= options.max_evaluations) break;
     }
     explain(code, best);
     best.gradient = projected_gradient(best.x, evaluation.gradient, options);

@@ -58,6 +58,19 @@ TEST(Lbfgs, SaysThatAKinkStoppedIt) {
     EXPECT_NE(found.reason.find("kink"), std::string::npos) << found.reason;
 }
 
+TEST(Lbfgs, IsDoneWhereAKinkIsTheMinimum) {
+    // The second search from the kink finds nothing lower, and that is so.
+    const auto roof = [](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+        gradient = Eigen::Vector2d(x[0] > 1 ? 1 : -1, 2 * x[1]);
+        return 1 + std::abs(x[0] - 1) + x[1] * x[1];
+    };
+
+    const LbfgsResult found = minimise_lbfgs(roof, Eigen::Vector2d(-3, 2), {});
+
+    EXPECT_TRUE(found.converged) << found.reason;
+    EXPECT_NEAR(found.value, 1, 0.01);
+}
+
 /// A bowl around (1, 2) whose `bad_call`-th value, and with `for_ever` each later one, is `bad`.
 DifferentiableFunction faulty_bowl(int bad_call, double bad, bool for_ever, bool bad_gradient) {
     auto calls = std::make_shared<int>(0);
