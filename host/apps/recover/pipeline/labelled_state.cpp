@@ -46,8 +46,9 @@ std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings
     return maps_of(field, settings, margin_mm, is_matched);
 }
 
-std::vector<DistanceMap> maps_of_fixed(const LabelField& field, const Settings& settings) {
-    return maps_of(field, settings, target_margin_mm, is_fixed);
+std::vector<DistanceMap> maps_of_fixed(const LabelField& field, const Settings& settings,
+                                       double margin_mm) {
+    return maps_of(field, settings, margin_mm, is_fixed);
 }
 
 }  // namespace palpate

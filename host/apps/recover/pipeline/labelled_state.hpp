@@ -35,6 +35,7 @@ constexpr double target_margin_mm = 20;
 std::vector<DistanceMap> maps_of_matched(const LabelField& field, const Settings& settings,
                                          double margin_mm);
 /// The same of the fixed organs.
-std::vector<DistanceMap> maps_of_fixed(const LabelField& field, const Settings& settings);
+std::vector<DistanceMap> maps_of_fixed(const LabelField& field, const Settings& settings,
+                                       double margin_mm);
 
 }  // namespace palpate

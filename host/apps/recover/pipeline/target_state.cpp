@@ -32,7 +32,8 @@ AlignmentResult align(const RecoverOptions& options, const ReferenceState& refer
             return {"none", {}, 0};
         case AlignMethod::fixed:
             return align_surfaces(reference.fixed_points,
-                                  maps_of_fixed(target.field, options.settings), {});
+                                  maps_of_fixed(target.field, options.settings, target_margin_mm),
+                                  {});
         default:
             return {"centroid",
                     align_centroids(reference.state.regions, target.regions, options.settings), 0};
