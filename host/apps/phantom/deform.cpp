@@ -9,7 +9,8 @@
 #include "host/io/label_image.hpp"
 #include "solver/base/error.hpp"
 #include "solver/equilibrium/newton.hpp"
-#include "solver/linear/make_linear_solver.hpp"
+#include "solver/equilibrium/rest_solver.hpp"
+#include "solver/model/quadratic_mesh.hpp"
 #include "solver/model/tet4_model.hpp"
 
 namespace palpate {
@@ -66,17 +67,27 @@ std::vector<Vec3> as_points(const Eigen::VectorXd& values) {
     return points;
 }
 
-std::vector<Deformation> deform_linear(const WallProblem& problem, double load_factor,
-                                       const LinearSolverOptions& options,
+/// The problem with the elements that the truth is solved on.
+SolidModel solid_model_of(const WallProblem& problem, const SolidMesh& elements,
+                          const std::string& law) {
+    SolidModel solid = solid_model_of(problem.model, law);
+    solid.mesh = elements;
+    return solid;
+}
+
+std::vector<Deformation> deform_linear(const WallProblem& problem, const SolidMesh& elements,
+                                       double load_factor, const LinearSolverOptions& options,
                                        const ProgressSink& progress) {
+    const SolidModel model = solid_model_of(problem, elements, "linear");
     Columns u;
     const LinearSolverSummary solve =
-        make_linear_solver(problem.model, options)->solve(problem.prescribed_mm, u, progress);
+        make_rest_solver(model, options)->solve(problem.prescribed_mm, u, progress);
     if (!solve.converged) {
         throw Error(ErrorCode::solve_failed,
                     "The phantom's true displacement could not be solved for: " + solve.message +
                         " Try --linear-solver direct or fewer nodes.");
     }
+    const SolidAssembly solid(model);
     std::vector<Deformation> deformations(u.cols());
     for (Eigen::Index load = 0; load < u.cols(); ++load) {
         Deformation& deformation = deformations[load];
@@ -85,16 +96,16 @@ std::vector<Deformation> deform_linear(const WallProblem& problem, double load_f
         deformation.load_scale = load_factor;
         scale_load(problem.model.mesh, deformation);
         deformation.force =
-            nodal_forces(problem.model.mesh, problem.model.materials, deformation.displacement);
+            as_points(solid.internal_force(deformation.load_scale * u.col(load)).force);
     }
     return deformations;
 }
 
-Deformation deform_finite(const WallProblem& problem, Eigen::Index load, const TissueLaw& law,
-                          double load_factor, const LinearSolverOptions& options,
-                          const ProgressSink& progress) {
+Deformation deform_finite(const WallProblem& problem, const SolidMesh& elements, Eigen::Index load,
+                          const TissueLaw& law, double load_factor,
+                          const LinearSolverOptions& options, const ProgressSink& progress) {
     constexpr double step = 0.95, least_scale = 0.05;
-    const SolidAssembly solid(solid_model_of(problem.model, law.name),
+    const SolidAssembly solid(solid_model_of(problem, elements, law.name),
                               {options.backend, options.device});
     EquilibriumOptions solve;
     solve.linear = matrix_solver_options(options);
@@ -123,6 +134,10 @@ Deformation deform_finite(const WallProblem& problem, Eigen::Index load, const T
 }
 
 }  // namespace
+
+RegionMesh linear_pieces_of(const BodyMesh& body) {
+    return {linear_mesh_of(body.mesh), body.surface};
+}
 
 std::vector<std::uint8_t> nodes_on_region(const RegionMesh& mesh, Index region) {
     std::vector<std::uint8_t> on_region(mesh.mesh.nodes.size(), 0);
@@ -162,41 +177,24 @@ WallProblem make_wall_problem(const RegionMesh& mesh, const std::vector<LinearEl
     return problem;
 }
 
-std::vector<Deformation> deform_by_walls(const RegionMesh& mesh,
+std::vector<Deformation> deform_by_walls(const BodyMesh& body,
                                          const std::vector<LinearElastic>& materials,
                                          const std::vector<std::vector<WallMotion>>& loads,
                                          double load_factor, const TissueLaw& law,
                                          const LinearSolverOptions& options,
                                          const ProgressSink& progress) {
-    WallProblem problem = make_wall_problem(mesh, materials, loads.front());
+    const RegionMesh pieces = linear_pieces_of(body);
+    WallProblem problem = make_wall_problem(pieces, materials, loads.front());
     problem.prescribed_mm.conservativeResize(Eigen::NoChange, Eigen::Index(loads.size()));
     for (std::size_t k = 1; k < loads.size(); ++k)
         problem.prescribed_mm.col(Eigen::Index(k)) =
-            make_wall_problem(mesh, materials, loads[k]).prescribed_mm;
-    if (law.is_linear()) return deform_linear(problem, load_factor, options, progress);
+            make_wall_problem(pieces, materials, loads[k]).prescribed_mm;
+    if (law.is_linear()) return deform_linear(problem, body.mesh, load_factor, options, progress);
     std::vector<Deformation> deformations;
     for (Eigen::Index load = 0; load < problem.prescribed_mm.cols(); ++load)
-        deformations.push_back(deform_finite(problem, load, law, load_factor, options, progress));
+        deformations.push_back(
+            deform_finite(problem, body.mesh, load, law, load_factor, options, progress));
     return deformations;
-}
-
-std::vector<Vec3> nodal_forces(const Mesh& mesh, const std::vector<LinearElastic>& materials,
-                               const std::vector<Vec3>& displacement) {
-    std::vector<Vec3> forces(mesh.nodes.size(), Vec3::Zero());
-    for (Index t = 0; t < mesh.num_tets(); ++t) {
-        const LinearElastic& material = materials[mesh.region[t]];
-        const auto gradients = shape_gradients(mesh, t);
-        const Mat3 gradient = displacement_gradient(mesh, t, displacement);
-        // sigma = E (lambda tr(eps) I + 2 mu eps), force on node c = volume sigma grad N_c.
-        const Mat3 strain = 0.5 * (gradient + gradient.transpose());
-        const Mat3 stress =
-            material.stiffness_kpa * (material.unit_lambda() * strain.trace() * Mat3::Identity() +
-                                      2 * material.unit_mu() * strain);
-        for (int c = 0; c < 4; ++c) {
-            forces[mesh.tets[t][c]] += tet_volume(mesh, t) * stress * gradients.col(c);
-        }
-    }
-    return forces;
 }
 
 }  // namespace palpate

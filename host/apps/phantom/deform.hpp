@@ -5,11 +5,15 @@
 #include <vector>
 
 #include "host/apps/phantom/wall_motion.hpp"
+#include "host/apps/recover/modelling/body_mesh.hpp"
 #include "host/apps/recover/modelling/tissue_law.hpp"
 #include "host/geometry/meshing/mesher.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {
+
+/// The body as linear tetrahedra on the same nodes: tet4 as they are, each tet10 as eight.
+RegionMesh linear_pieces_of(const BodyMesh& body);
 
 /// Which nodes of a mesh lie on the surface of a region (1) and which do not (0), [num_nodes].
 std::vector<std::uint8_t> nodes_on_region(const RegionMesh& mesh, Index region);
@@ -33,22 +37,18 @@ struct Deformation {
     double relative_residual = 0;    ///< of the solve
 };
 
-/// Solves for equilibrium with the walls' motion prescribed and bones and box fixed, times
-/// `load_factor`, with the load scaled down until det(I + grad u) > 0.2 in every tet.
+/// Solves for equilibrium on the body's elements, with the walls' motion prescribed and bones and
+/// box fixed, times `load_factor`, with the load scaled down until det(I + grad u) > 0.2 in every
+/// one of `linear_pieces_of`.
 ///   materials  by region number
 ///   loads      of each the motions; all move the same walls
 /// Returns a deformation for each load. Throws Error(solve_failed) if the solver misses its
 /// tolerance, or if no equilibrium at large deformation is found.
-std::vector<Deformation> deform_by_walls(const RegionMesh& mesh,
+std::vector<Deformation> deform_by_walls(const BodyMesh& body,
                                          const std::vector<LinearElastic>& materials,
                                          const std::vector<std::vector<WallMotion>>& loads,
                                          double load_factor, const TissueLaw& law,
                                          const LinearSolverOptions& options,
                                          const ProgressSink& progress);
-
-/// Nodal forces K u (mN) of linear elasticity, [num_nodes]; summed over the nodes of a wall they
-/// are its resultant.
-std::vector<Vec3> nodal_forces(const Mesh& mesh, const std::vector<LinearElastic>& materials,
-                               const std::vector<Vec3>& displacement);
 
 }  // namespace palpate

@@ -12,12 +12,14 @@
 #include <tuple>
 
 #include "host/apps/phantom/anatomy.hpp"
+#include "host/apps/phantom/curved_mesh.hpp"
 #include "host/apps/phantom/deform.hpp"
 #include "host/apps/phantom/tumour.hpp"
 #include "host/apps/phantom/voxelise.hpp"
 #include "host/apps/phantom/zones.hpp"
 #include "host/geometry/surfaces/extract.hpp"
 #include "solver/base/error.hpp"
+#include "solver/model/quadratic_mesh.hpp"
 
 namespace palpate {
 namespace {
@@ -104,12 +106,21 @@ RegionMesh with_tumour(RegionMesh mesh, const PelvisAnatomy& anatomy, const Pelv
     return mesh;
 }
 
-RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions& options,
-                               MesherOptions mesher, MesherSummary& summary,
-                               const ProgressSink& progress) {
+/// What the truth's mesh is made of: tet4, the corners of the elements that are wanted, and the
+/// field whose interfaces are its surfaces.
+struct ReferenceMesh {
+    RegionMesh corners;
+    LabelField field;
+};
+
+ReferenceMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions& options,
+                                  MesherOptions mesher, MesherSummary& summary,
+                                  const ProgressSink& progress) {
     // 30,000 nodes make edges of 1.9 mm on the organs; sizes follow from that.
-    const double coarseness = std::cbrt(30000.0 / options.num_nodes);
-    mesher.num_nodes = options.num_nodes;
+    Index num_corners = options.num_nodes;
+    if (options.element == ElementType::tet10) num_corners /= quadratic_nodes_per_corner;
+    const double coarseness = std::cbrt(30000.0 / num_corners);
+    mesher.num_nodes = num_corners;
     mesher.edge_length_mm = 1.9 * coarseness;
     mesher.outer_edge_length_mm = 12.0 * std::max(1.0, coarseness);
 
@@ -121,13 +132,15 @@ RegionMesh make_reference_mesh(const PelvisAnatomy& anatomy, const PelvisOptions
         mark_zone(image, make_transition_zone(anatomy.organs[prostate], options.seed),
                   prostate_region, transition_zone_region);
     }
-    const LabelField field(image, settings.num_regions());
+    LabelField field(image, settings.num_regions());
     SurfaceOptions surface_options;
     surface_options.edge_length_mm = mesher.edge_length_mm;
     surface_options.outer_edge_length_mm = mesher.outer_edge_length_mm;
     const RegionSurface surface =
         extract_surfaces(image, field, surface_options, nullptr, progress);
-    return make_mesh(surface, image, field, hollow_regions, mesher, &summary, progress);
+    RegionMesh corners =
+        make_mesh(surface, image, field, hollow_regions, mesher, &summary, progress);
+    return {std::move(corners), std::move(field)};
 }
 
 /// The label volume of the mesh with its nodes at `nodes`, drawn as `options` say. `image`: 0 for
@@ -290,7 +303,9 @@ void deform_and_draw(const PelvisOptions& options, const std::vector<unsigned>& 
     PelvisPhantom phantom;
     phantom.settings = make_settings(options);
     const Index num_regions = phantom.settings.num_regions();
-    phantom.mesh = make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
+    const auto [corners, field] =
+        make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
+    phantom.mesh = linear_pieces_of(curved_along(field, body_mesh(corners, options.element)));
 
     std::vector<LoadFamily> families;
     std::vector<std::vector<WallMotion>> motions;
@@ -300,10 +315,12 @@ void deform_and_draw(const PelvisOptions& options, const std::vector<unsigned>& 
         motions.push_back(
             make_wall_motions(anatomy, seed, options.tangential_factor, families.back()));
     }
+    BodyMesh truth_body =
+        body_mesh(with_tumour(corners, anatomy, options, num_regions), options.element);
+    truth_body.mesh.nodes = phantom.mesh.mesh.nodes;
     const std::vector<Deformation> deformations =
-        deform_by_walls(with_tumour(phantom.mesh, anatomy, options, num_regions),
-                        make_materials(options, num_regions), motions, options.load_factor,
-                        options.law, solver, progress);
+        deform_by_walls(truth_body, make_materials(options, num_regions), motions,
+                        options.load_factor, options.law, solver, progress);
 
     const auto labels = [&](const std::vector<Vec3>& nodes, unsigned image) {
         return to_labels(drawn_image(phantom.mesh, nodes, anatomy, options, num_regions, image),
@@ -330,7 +347,8 @@ RegionMesh make_pelvis_mesh(const PelvisOptions& options, const MesherOptions& m
     check_options(options);
     MesherSummary summary;
     return make_reference_mesh(make_anatomy(options.seed, options.spacing, options.anatomy),
-                               options, mesher, summary, progress);
+                               options, mesher, summary, progress)
+        .corners;
 }
 
 WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOptions& mesher,
@@ -338,7 +356,8 @@ WallProblem make_pelvis_problem(const PelvisOptions& options, const MesherOption
     check_options(options);
     const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing, options.anatomy);
     MesherSummary summary;
-    const RegionMesh mesh = make_reference_mesh(anatomy, options, mesher, summary, progress);
+    const RegionMesh mesh =
+        make_reference_mesh(anatomy, options, mesher, summary, progress).corners;
     const Index num_regions = make_settings(options).num_regions();
     return make_wall_problem(with_tumour(mesh, anatomy, options, num_regions),
                              make_materials(options, num_regions),

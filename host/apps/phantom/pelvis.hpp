@@ -28,6 +28,9 @@ struct PelvisOptions {
     Vec3 spacing{1, 1, 1};         ///< mm, of the label volumes written
     ContourErrorOptions contours;  ///< how both label volumes are drawn
     Index num_nodes = 30000;       ///< of the mesh that the truth is solved on
+    /// Of that mesh, tet4 or tet10. Linear tetrahedra of this size are too stiff by a few
+    /// hundredths (organs are found that much too soft), quadratic ones of as many nodes are not.
+    ElementType element = ElementType::tet4;
     double tangential_factor = 1;  ///< on the walls' motion along themselves
     LoadFamily load = LoadFamily::mixed;
     AnatomyFamily anatomy = AnatomyFamily::usual;
@@ -69,8 +72,8 @@ struct PelvisTruth {
 /// fixed bones, a box of background tissue.
 struct PelvisPhantom {
     Settings settings;
-    LabelImage reference, target;  ///< voxelised from the undeformed and the deformed mesh
-    RegionMesh mesh;
+    LabelImage reference, target;    ///< voxelised from the undeformed and the deformed mesh
+    RegionMesh mesh;                 ///< linear pieces of quadratic elements
     std::vector<Vec3> displacement;  ///< [num_nodes] mm
     std::vector<Vec3> landmarks;     ///< points inside the prostate, LPS mm, reference
     std::vector<Vec3> landmark_displacements;

@@ -86,7 +86,12 @@ std::vector<Option> motion_and_image_options() {
 }
 
 std::vector<Option> phantom_table() {
-    return joined({body_options(), motion_and_image_options(),
+    const std::vector<Option> elements{
+        Option::choice("element", {"tet4", "tet10"},
+                       "Tetrahedra that the truth is solved on: tet4 (linear), tet10 (quadratic, "
+                       "nearer to the truth; the nodes count those in the middles of edges)")
+            .usually(element_table(PelvisOptions{}.element).name)};
+    return joined({body_options(), motion_and_image_options(), elements,
                    mesher_options(PelvisOptions{}.num_nodes), solver_options()});
 }
 
@@ -108,6 +113,7 @@ PelvisOptions pelvis_of(const OptionValues& values) {
     options.spacing = Vec3::Map(values.numbers("spacing").data());
     options.contours = drawn_for(contour_error_of(values.text("contours")), options.seed);
     options.num_nodes = static_cast<Index>(values.integer("nodes"));
+    options.element = recovery_element_of(values.text("element"));
     return options;
 }
 

@@ -128,6 +128,7 @@ Study make_exact_surfaces_study(const StudyOptions& options) {
             for (const double kpa : {50, 100, 150, 200, 250, 300, 350}) {
                 Truth truth{is_finer,
                             pelvis_options(options, options.first_seed + unsigned(scene), kpa)};
+                truth.options.element = ElementType::tet4;  // as the inverse's
                 truth.options.num_nodes = options.mesher.num_nodes * (is_finer ? 8 : 1);
                 const std::string id =
                     fmt::format("{}-seed-{}-e{:g}", name_of(truth), truth.options.seed, kpa);

@@ -197,6 +197,7 @@ Study make_neo_hookean_study(const StudyOptions& options) {
                 NeoHookeanTruth truth{
                     pelvis_options(options, options.first_seed + unsigned(scene), kpa), is_doubled};
                 truth.options.law = {"neo-hookean"};
+                truth.options.element = ElementType::tet4;  // as the inverse's
                 truth.options.num_nodes = options.mesher.num_nodes;
                 if (is_doubled) truth.options.background_stiffness_kpa = 2 * assumed_kpa;
                 const std::string id = fmt::format(

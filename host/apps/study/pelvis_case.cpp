@@ -78,6 +78,7 @@ PelvisOptions pelvis_options(const StudyOptions& options, unsigned seed, double 
     truth.load = drawn_for(options.load, seed);
     truth.anatomy = drawn_for(options.anatomy, seed);
     truth.num_nodes = options.phantom_nodes;
+    truth.element = options.phantom_element;
     truth.tangential_factor = options.tangential;
     return truth;
 }
@@ -158,6 +159,7 @@ std::vector<std::pair<std::string, std::string>> pelvis_settings(const StudyOpti
         {"anatomy", name_of(options.anatomy)},
         {"nodes", fmt::format("{}", options.mesher.num_nodes)},
         {"phantom nodes", fmt::format("{}", options.phantom_nodes)},
+        {"phantom element", element_table(options.phantom_element).name},
         {"tangential factor", fmt::format("{}", options.tangential)},
         {"mesher", mesher},
         {"precision", options.solver.device.precision == Precision::single ? "single" : "double"},

@@ -16,10 +16,11 @@ namespace palpate {
 /// What a user can choose of a study.
 struct StudyOptions {
     unsigned first_seed = 1;
-    int phantoms = 0;              ///< anatomies; 0: as many as the study was made for
-    Index phantom_nodes = 30000;   ///< of the meshes that truths are solved on
-    Vec3 spacing{1, 1, 1};         ///< mm, of the label volumes
-    ContourErrorOptions contours;  ///< how both label volumes are drawn
+    int phantoms = 0;             ///< anatomies; 0: as many as the study was made for
+    Index phantom_nodes = 30000;  ///< of the meshes that truths are solved on
+    ElementType phantom_element = ElementType::tet10;  ///< of those meshes
+    Vec3 spacing{1, 1, 1};                             ///< mm, of the label volumes
+    ContourErrorOptions contours;                      ///< how both label volumes are drawn
     LoadFamily load = LoadFamily::mixed;
     AnatomyFamily anatomy = AnatomyFamily::usual;
     double tangential = 1;  ///< factor on the walls' motion along themselves

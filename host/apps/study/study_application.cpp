@@ -63,6 +63,9 @@ std::vector<Option> phantom_options() {
             .usually(usual.tangential),
         Option::integer("phantom_nodes", 1000, 2000000, "Of the meshes of the truths")
             .usually(std::int64_t{usual.phantom_nodes}),
+        Option::choice("phantom_element", {"tet4", "tet10"},
+                       "Of the meshes of the truths (exact-surfaces, neo-hookean: tet4)")
+            .usually(element_table(usual.phantom_element).name),
         Option::choice(
             "load", {"mixed", "filling", "bump", "normal", "tangential", "shift", "large", "drawn"},
             "How the walls move; drawn: any but mixed for each phantom")
@@ -102,6 +105,7 @@ StudyOptions study_options_of(const StudyEntry& entry, const OptionValues& value
     options.first_seed = static_cast<unsigned>(values.whole("first_seed"));
     options.phantoms = values.is_given("phantoms") ? values.integer("phantoms") : entry.phantoms;
     options.phantom_nodes = static_cast<Index>(values.integer("phantom_nodes"));
+    options.phantom_element = recovery_element_of(values.text("phantom_element"));
     options.spacing = Vec3::Map(values.numbers("spacing").data());
     options.contours = contour_error_of(values.text("contours"));
     options.load = load_family_of(values.text("load"));

@@ -19,9 +19,6 @@ namespace {
 /// hundredths of a millimetre.
 constexpr Index most_nodes_to_refine = 30000;
 
-/// Of a mesh of tetrahedra, which has about six edges per node.
-constexpr Index quadratic_nodes_per_corner = 7;
-
 BodyMesh mesh_of(const RecoverOptions& options, const ReferenceState& reference,
                  MesherSummary& summary, const ProgressSink& progress) {
     const Settings& settings = options.settings;
