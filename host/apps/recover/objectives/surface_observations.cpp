@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "host/apps/recover/objectives/edge_middles.hpp"
 #include "host/geometry/surfaces/surface.hpp"
 
 namespace palpate {
@@ -52,7 +53,20 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
         const auto& surface = recovery.surfaces[s];
         if (!shapes_.target[s]) continue;
         const auto area = vertex_areas(surface.surface);
-        const auto patches = surface_patches(surface.surface, vertex_normals(surface.surface));
+        const auto normals = vertex_normals(surface.surface);
+        const auto patches = surface_patches(surface.surface, normals);
+        const EdgeMiddles middles(surface.surface, normals);
+        // What is held beside what moves is no smooth motion.
+        const auto middle_of = [&](const std::vector<VertexWeight>& smooth,
+                                   const std::array<MovingNode, 2>& ends) {
+            std::vector<WeightedNode> nodes;
+            for (const auto& [vertex, weight] : smooth)
+                nodes.push_back({moving(surface.node_of[vertex]), weight});
+            if (std::all_of(nodes.begin(), nodes.end(),
+                            [](const WeightedNode& one) { return one.node.position >= 0; }))
+                return nodes;
+            return std::vector<WeightedNode>{{ends[0], 0.5}, {ends[1], 0.5}};
+        };
         for (std::size_t v = 0; v < surface.node_of.size(); ++v) {
             const Index node = surface.node_of[v];
             const MovingNode own_node = moving(node);
@@ -70,7 +84,8 @@ SurfaceObservations::SurfaceObservations(const RecoveryModel& recovery, Observed
                 std::all_of(patches[v].ends.begin(), patches[v].ends.end(), is_seen))
                 row.patch = patches[v];
             for (const Index end : row.patch.ends)
-                row.patch_ends.push_back(moving(surface.node_of[end]));
+                row.patch_nodes.push_back(middle_of(middles.at(static_cast<Index>(v), end),
+                                                    {own_node, moving(surface.node_of[end])}));
             own_offset_.push_back(own_mean(*shapes_.reference[s], row));
             // The places of a node's patch are as many measurements, but those that share a voxel
             // share its information, and so do the two organs that meet at one interface node.
@@ -125,9 +140,11 @@ ObservedState SurfaceObservations::evaluate(const Eigen::VectorXd& driven,
         const Vec3 u = MovingNode{row.on_driven, row.position}.displacement(driven, observed);
         const Vec3 of_frame = frame_.frame.displacement(frame, row.place);
         moved.assign(1, u + of_frame);
-        // On a straight edge of linear elements u(middle) = (u_v + u_w) / 2.
-        for (const MovingNode& end : row.patch_ends)
-            moved.push_back(0.5 * (u + end.displacement(driven, observed)) + of_frame);
+        for (const auto& nodes : row.patch_nodes) {
+            moved.push_back(of_frame);
+            for (const auto& [node, weight] : nodes)
+                moved.back() += weight * node.displacement(driven, observed);
+        }
         state.place.row(k) = row.place + moved[0];
         const ShapeDistance target = distance_of(row, moved);
         state.residual_mm[k] = target.mm - own_offset_[k];

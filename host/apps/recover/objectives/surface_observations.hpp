@@ -50,6 +50,11 @@ struct MovingNode {
     }
 };
 
+struct WeightedNode {
+    MovingNode node;
+    double weight = 0;
+};
+
 /// The data term of one surface node: r = sum_p w_p (d_target(x_p + u_p) - d_reference(x_p)), the
 /// mean distance of its patch to the target surface along its normal (method.md, 2.1). Subtracting
 /// each place's own offset from the reference surface removes what chords and volume correction
@@ -65,7 +70,8 @@ struct Observation {
     Vec3 place = Vec3::Zero();   ///< reference position of the node, mm
     Vec3 facing = Vec3::Zero();  ///< outward normal of the surface there at rest
     SurfacePatch patch;
-    std::vector<MovingNode> patch_ends;  ///< at the other ends of the patch's edges
+    /// u at each place of the patch but the first: that of nodes, times weights (EdgeMiddles).
+    std::vector<std::vector<WeightedNode>> patch_nodes;
 };
 
 /// Values and normals of all observations at one state.

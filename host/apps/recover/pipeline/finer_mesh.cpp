@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "host/apps/recover/modelling/build_model.hpp"
@@ -19,10 +20,38 @@ namespace {
 /// Of the solve: half the size changes displacements by a hundredth, of which a hundredth is seen.
 constexpr double relative_tolerance = 1e-6;
 
+using Edge = std::pair<Index, Index>;
+
+std::map<Edge, std::vector<VertexWeight>> wall_middles(const BodyMesh& mesh,
+                                                       const Settings& settings) {
+    std::map<Edge, std::vector<VertexWeight>> found;
+    const RecoveryModel recovery = build_model(mesh, settings);
+    const auto is_held = [&](const VertexWeight& part) {
+        return std::binary_search(recovery.fixed.begin(), recovery.fixed.end(), part.vertex);
+    };
+    for (const ObservedSurface& wall : recovery.surfaces) {
+        if (!wall.driven) continue;
+        const EdgeMiddles middles(wall.surface, vertex_normals(wall.surface));
+        for (const Triangle& triangle : wall.surface.triangles)
+            for (int c = 0; c < 3; ++c) {
+                const Index p = triangle[c], q = triangle[(c + 1) % 3];
+                std::vector<VertexWeight> weights = middles.at(p, q);
+                for (VertexWeight& part : weights) part.vertex = wall.node_of[part.vertex];
+                // What is held beside what moves is no smooth motion.
+                if (std::none_of(weights.begin(), weights.end(), is_held))
+                    found[std::minmax(wall.node_of[p], wall.node_of[q])] = std::move(weights);
+            }
+    }
+    return found;
+}
+
 }  // namespace
 
 FinerMesh::FinerMesh(BodyMesh mesh, Settings settings, LinearSolverOptions options)
-    : mesh_(std::move(mesh)), settings_(std::move(settings)), options_(std::move(options)) {
+    : mesh_(std::move(mesh)),
+      wall_middles_(wall_middles(mesh_, settings)),
+      settings_(std::move(settings)),
+      options_(std::move(options)) {
     options_.method = LinearMethod::multigrid;
     options_.expected_columns = 1;
     options_.relative_tolerance = relative_tolerance;
@@ -54,14 +83,19 @@ Eigen::VectorXd FinerMesh::change(const std::vector<double>& kpa,
     check_cancelled(progress);
     const Finer body = finer_at(kpa);
     check_cancelled(progress);
-    const Index num_coarse = static_cast<Index>(displacement.size() / 3);
+    const Index num_coarse = mesh_.mesh.num_nodes();
     Columns interpolated(body.prescribed.size(), 1);
     interpolated.topRows(displacement.size()) = displacement;
     for (std::size_t k = 0; k < body.edges.size(); ++k) {
         const auto& [p, q] = body.edges[k];
+        auto middle = interpolated.middleRows<3>(3 * (num_coarse + static_cast<Index>(k)));
         // On a straight edge of linear elements u(middle) = (u_p + u_q) / 2.
-        interpolated.middleRows<3>(3 * (num_coarse + static_cast<Index>(k))) =
-            0.5 * (displacement.segment<3>(3 * p) + displacement.segment<3>(3 * q));
+        middle = 0.5 * (displacement.segment<3>(3 * p) + displacement.segment<3>(3 * q));
+        const auto wall = wall_middles_.find(std::minmax(p, q));
+        if (wall == wall_middles_.end()) continue;
+        middle.setZero();
+        for (const auto& [node, weight] : wall->second)
+            middle += weight * displacement.segment<3>(3 * node);
     }
     Columns prescribed = Columns::Zero(interpolated.rows(), 1);
     for (Index dof = 0; dof < interpolated.rows(); ++dof)
