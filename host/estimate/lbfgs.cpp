@@ -4,6 +4,7 @@
 
 #include <nlopt.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -94,7 +95,7 @@ void explain(nlopt_result code, LbfgsResult& result) {
             return;
         case NLOPT_FTOL_REACHED:
             result.converged = true;
-            result.reason = "the last steps changed the objective by less than the tolerance";
+            result.reason = "two steps in a row changed the objective by less than the tolerance";
             return;
         case NLOPT_MAXEVAL_REACHED:
             result.reason = "the allowed number of evaluations was used up";
@@ -150,28 +151,31 @@ LbfgsResult minimise_lbfgs(const DifferentiableFunction& function, const Eigen::
     best.start_gradient = projected_gradient(best.x, evaluation.gradient, options);
     const double start_value = best.value;
     nlopt_result code = NLOPT_FAILURE;
-    bool is_stuck = false;
     const auto start = std::chrono::steady_clock::now();
     for (int restart = 0; restart <= most_restarts; ++restart) {
         const int bad_before = evaluation.num_not_finite;
         const double value_before = best.value;
         if (options.time_limit_s > 0 && restart > 0) {
             const std::chrono::duration<double> used = std::chrono::steady_clock::now() - start;
-            if (used.count() >= options.time_limit_s) break;
+            if (used.count() >= options.time_limit_s) {
+                code = NLOPT_MAXTIME_REACHED;
+                break;
+            }
             nlopt_set_maxtime(optimiser.get(), options.time_limit_s - used.count());
         }
+        // 0 would be no limit.
+        nlopt_set_maxeval(optimiser.get(), std::max(1, options.max_evaluations - best.evaluations));
         Eigen::VectorXd end = best.x;
         double value = 0;
         code = nlopt_optimize(optimiser.get(), end.data(), &value);
         if (evaluation.failure) std::rethrow_exception(evaluation.failure);
         const bool is_finite = evaluation.num_not_finite == bad_before;
-        const double gain = value_before - best.value;
-        if (is_stuck && is_finite && best.value < start_value &&
-            gain <= options.relative_tolerance * std::abs(best.value))
-            code = NLOPT_FTOL_REACHED;
-        is_stuck = code == NLOPT_FAILURE && is_finite && gain > 0;
+        const bool is_stuck = code == NLOPT_FAILURE && best.value < value_before;
         if (is_finite && !is_stuck) break;
-        if (best.evaluations >= options.max_evaluations) break;
+        if (best.evaluations >= options.max_evaluations) {
+            if (code == NLOPT_FAILURE) code = NLOPT_MAXEVAL_REACHED;
+            break;
+        }
     }
     explain(code, best);
     best.gradient = projected_gradient(best.x, evaluation.gradient, options);

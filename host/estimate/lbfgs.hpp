@@ -9,7 +9,7 @@
 namespace palpate {
 
 struct LbfgsOptions {
-    double relative_tolerance = 1e-4;  ///< stop where the last steps changed the value less
+    double relative_tolerance = 1e-4;  ///< stop after two steps in a row that change the value less
     int max_evaluations = 1000;        ///< of value and gradient together
     double time_limit_s = 0;           ///< 0: none; looked at between evaluations
     Eigen::VectorXd lower, upper;      ///< bounds of x, or empty

@@ -8,6 +8,7 @@ namespace palpate {
 
 /// Of quadratic tetrahedra, about: a node of a mesh of tetrahedra has some six edges of its own.
 constexpr Index quadratic_nodes_per_corner = 7;
+constexpr Index pieces_of_tet10 = 8;  ///< in `linear_mesh_of`
 
 /// The same mesh with straight quadratic elements: a node in the middle of every edge, after the
 /// nodes there were, in the order in which edges are first met. tet4 becomes tet10, tri3 tri6.

@@ -60,7 +60,6 @@ Vec3 on_interface(const LabelField& field, const RegionPair& regions, Vec3 x) {
 BodyMesh curved_along(const LabelField& field, BodyMesh body) {
     if (body.mesh.type != ElementType::tet10) return body;
     const Mesh straight = linear_mesh_of(body.mesh);
-    constexpr Index pieces = 8;  // of an element
     Mesh curved = straight;
     for (const auto& [node, regions] : interface_nodes(body, field))
         curved.nodes[node] = on_interface(field, regions, straight.nodes[node]);
@@ -68,7 +67,7 @@ BodyMesh curved_along(const LabelField& field, BodyMesh body) {
         is_sound = true;
         for (Index t = 0; t < straight.num_tets(); ++t) {
             if (tet_volume(curved, t) >= least_volume * tet_volume(straight, t)) continue;
-            for (const Index node : body.mesh.nodes_of(t / pieces)) {
+            for (const Index node : body.mesh.nodes_of(t / pieces_of_tet10)) {
                 is_sound = is_sound && curved.nodes[node] == straight.nodes[node];
                 curved.nodes[node] = straight.nodes[node];
             }

@@ -11,7 +11,8 @@ namespace palpate {
 /// faces curve as the organs do; tet4 stay as they are. Nodes of elements that this would crush
 /// (a linear piece below a third of its volume) stay in the middle of their edges, and so do those
 /// on the box and where three regions meet.
-///   field  has the body's regions; the surfaces' corners lie on its interfaces
+/// Corners stay where they are: those of `extract_surfaces` lie up to l^2 / (8 R) outside.
+///   field  has the body's regions
 BodyMesh curved_along(const LabelField& field, BodyMesh body);
 
 }  // namespace palpate

@@ -79,9 +79,12 @@ std::vector<Deformation> deform_linear(const WallProblem& problem, const SolidMe
                                        double load_factor, const LinearSolverOptions& options,
                                        const ProgressSink& progress) {
     const SolidModel model = solid_model_of(problem, elements, "linear");
+    LinearSolverOptions for_elements = options;
+    // Conjugate gradients take tet4.
+    if (elements.type != ElementType::tet4) for_elements.method = LinearMethod::automatic;
     Columns u;
     const LinearSolverSummary solve =
-        make_rest_solver(model, options)->solve(problem.prescribed_mm, u, progress);
+        make_rest_solver(model, for_elements)->solve(problem.prescribed_mm, u, progress);
     if (!solve.converged) {
         throw Error(ErrorCode::solve_failed,
                     "The phantom's true displacement could not be solved for: " + solve.message +

@@ -302,6 +302,7 @@ void deform_and_draw(const PelvisOptions& options, const std::vector<unsigned>& 
     const PelvisAnatomy anatomy = make_anatomy(options.seed, options.spacing, options.anatomy);
     PelvisPhantom phantom;
     phantom.settings = make_settings(options);
+    phantom.element = options.element;
     const Index num_regions = phantom.settings.num_regions();
     const auto [corners, field] =
         make_reference_mesh(anatomy, options, mesher, phantom.truth.mesher, progress);
@@ -318,6 +319,7 @@ void deform_and_draw(const PelvisOptions& options, const std::vector<unsigned>& 
     BodyMesh truth_body =
         body_mesh(with_tumour(corners, anatomy, options, num_regions), options.element);
     truth_body.mesh.nodes = phantom.mesh.mesh.nodes;
+    truth_body.surface.vertices = phantom.mesh.surface.vertices;
     const std::vector<Deformation> deformations =
         deform_by_walls(truth_body, make_materials(options, num_regions), motions,
                         options.load_factor, options.law, solver, progress);

@@ -73,11 +73,12 @@ struct PelvisTruth {
 struct PelvisPhantom {
     Settings settings;
     LabelImage reference, target;    ///< voxelised from the undeformed and the deformed mesh
-    RegionMesh mesh;                 ///< linear pieces of quadratic elements
+    RegionMesh mesh;                 ///< of tet4; where the truth is solved on tet10, eight of each
     std::vector<Vec3> displacement;  ///< [num_nodes] mm
     std::vector<Vec3> landmarks;     ///< points inside the prostate, LPS mm, reference
     std::vector<Vec3> landmark_displacements;
     PelvisTruth truth;
+    ElementType element = ElementType::tet4;  ///< that the truth is solved on
 };
 
 /// Steps: random implicit shapes, a fine label volume of them, surfaces, a mesh, prescribed motion

@@ -8,6 +8,7 @@
 #include "host/io/delimited_text.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/io/volume_files.hpp"
+#include "solver/model/quadratic_mesh.hpp"
 
 namespace palpate {
 namespace {
@@ -72,7 +73,9 @@ std::string truth_to_json(const PelvisPhantom& phantom, const PelvisOptions& opt
         {"regions", regions_to_json(phantom, options)},
         {"mesh",
          {{"nodes", phantom.mesh.mesh.num_nodes()},
-          {"elements", phantom.mesh.mesh.num_tets()},
+          {"elements", phantom.mesh.mesh.num_tets() /
+                           (phantom.element == ElementType::tet10 ? pieces_of_tet10 : 1)},
+          {"element_type", element_table(phantom.element).name},
           {"mesher", truth.mesher.mesher}}},
         {"load",
          {{"number", truth.load},

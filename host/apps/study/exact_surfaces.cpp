@@ -118,7 +118,7 @@ StudyReport exact_surfaces_report(const std::vector<Row>& rows) {
 Study make_exact_surfaces_study(const StudyOptions& options) {
     Study study{"exact-surfaces",
                 "Recovery from exact surfaces",
-                pelvis_settings(options),
+                pelvis_settings(with_linear_truths(options)),
                 {"truth", "seed", "true_kpa", "expected_kpa", "found_kpa", "error_percent",
                  "low_kpa", "high_kpa", "holds_truth", "converged", "iterations", "seconds"},
                 {},
@@ -128,7 +128,7 @@ Study make_exact_surfaces_study(const StudyOptions& options) {
             for (const double kpa : {50, 100, 150, 200, 250, 300, 350}) {
                 Truth truth{is_finer,
                             pelvis_options(options, options.first_seed + unsigned(scene), kpa)};
-                truth.options.element = ElementType::tet4;  // as the inverse's
+                truth.options.element = ElementType::tet4;
                 truth.options.num_nodes = options.mesher.num_nodes * (is_finer ? 8 : 1);
                 const std::string id =
                     fmt::format("{}-seed-{}-e{:g}", name_of(truth), truth.options.seed, kpa);

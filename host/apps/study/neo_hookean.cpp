@@ -185,7 +185,7 @@ StudyReport neo_hookean_report(const std::vector<Row>& rows) {
 Study make_neo_hookean_study(const StudyOptions& options) {
     Study study{"neo-hookean",
                 "Recovery at large deformation",
-                pelvis_settings(options),
+                pelvis_settings(with_linear_truths(options)),
                 {"truth", "seed", "true_kpa", "expected_kpa", "found_kpa", "error_percent",
                  "low_kpa", "high_kpa", "holds_truth", "linear_kpa", "linear_error_percent",
                  "converged", "rounds", "seconds"},
@@ -197,7 +197,7 @@ Study make_neo_hookean_study(const StudyOptions& options) {
                 NeoHookeanTruth truth{
                     pelvis_options(options, options.first_seed + unsigned(scene), kpa), is_doubled};
                 truth.options.law = {"neo-hookean"};
-                truth.options.element = ElementType::tet4;  // as the inverse's
+                truth.options.element = ElementType::tet4;
                 truth.options.num_nodes = options.mesher.num_nodes;
                 if (is_doubled) truth.options.background_stiffness_kpa = 2 * assumed_kpa;
                 const std::string id = fmt::format(

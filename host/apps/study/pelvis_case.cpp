@@ -137,6 +137,11 @@ Row pelvis_row(const PelvisCase& work, const PelvisOutcome& outcome) {
     return row;
 }
 
+StudyOptions with_linear_truths(StudyOptions options) {
+    options.phantom_element = ElementType::tet4;
+    return options;
+}
+
 std::vector<double> landmark_errors_mm(const PelvisPhantom& phantom, const Image<Vec3>& field) {
     std::vector<double> errors;
     for (std::size_t n = 0; n < phantom.landmarks.size(); ++n) {

@@ -47,6 +47,9 @@ PelvisOutcome run_pelvis_case(const PelvisCase& work, const StudyOptions& option
 std::vector<std::string> pelvis_columns();
 Row pelvis_row(const PelvisCase& work, const PelvisOutcome& outcome);
 
+/// For truths on the elements that they are recovered with.
+StudyOptions with_linear_truths(StudyOptions options);
+
 /// Distances (mm) between the field and the true displacement at the phantom's landmarks; the field
 /// is linear between voxel centres.
 std::vector<double> landmark_errors_mm(const PelvisPhantom& phantom, const Image<Vec3>& field);

@@ -58,17 +58,27 @@ TEST(Lbfgs, SaysThatAKinkStoppedIt) {
     EXPECT_NE(found.reason.find("kink"), std::string::npos) << found.reason;
 }
 
-TEST(Lbfgs, IsDoneWhereAKinkIsTheMinimum) {
-    // The second search from the kink finds nothing lower, and that is so.
-    const auto roof = [](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
-        gradient = Eigen::Vector2d(x[0] > 1 ? 1 : -1, 2 * x[1]);
-        return 1 + std::abs(x[0] - 1) + x[1] * x[1];
+TEST(Lbfgs, BeginsAnewWhereAKinkStoppedItAndSaysSoWhereThatDoesNotHelp) {
+    // Steps beyond 1 find nothing lower, though the gradient promises it.
+    int calls = 0;
+    const auto kinked = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+        ++calls;
+        gradient = Eigen::VectorXd::Constant(1, -1);
+        return 1 + std::abs(x[0]);
     };
 
-    const LbfgsResult found = minimise_lbfgs(roof, Eigen::Vector2d(-3, 2), {});
+    const LbfgsResult found = minimise_lbfgs(kinked, Eigen::VectorXd::Constant(1, -3), {});
+    const int of_both = calls;
+    calls = 0;
+    minimise_lbfgs(kinked, found.x, {});
 
-    EXPECT_TRUE(found.converged) << found.reason;
-    EXPECT_NEAR(found.value, 1, 0.01);
+    EXPECT_FALSE(found.converged);
+    EXPECT_NE(found.reason.find("kink"), std::string::npos) << found.reason;
+    EXPECT_LT(found.value, 4);
+    EXPECT_GE(of_both, 2 * calls);
+    LbfgsOptions few;
+    few.max_evaluations = 1;
+    EXPECT_FALSE(minimise_lbfgs(kinked, Eigen::VectorXd::Constant(1, -3), few).converged);
 }
 
 /// A bowl around (1, 2) whose `bad_call`-th value, and with `for_ever` each later one, is `bad`.

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <random>
-#include <set>
 
 namespace palpate {
 namespace {

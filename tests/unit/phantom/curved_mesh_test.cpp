@@ -67,9 +67,6 @@ TEST(CurvedMesh, FollowsTheInterfaceBetweenTheCorners) {
     EXPECT_GT(on_interface, 20);
     EXPECT_GT(farthest, 0.15);  // the sagitta of 10 mm at the top: 3 pi^2 10^2 / (8 40^2) = 0.23
     EXPECT_LT(farthest, 0.4);
-    for (const Index region : {outside_region})
-        EXPECT_EQ(nodes_on_region(linear_pieces_of(curved), region),
-                  nodes_on_region(linear_pieces_of(straight), region));
 }
 
 TEST(CurvedMesh, LeavesLinearElementsAndCrushedOnesAsTheyWere) {
@@ -88,6 +85,12 @@ TEST(CurvedMesh, LeavesLinearElementsAndCrushedOnesAsTheyWere) {
     const Mesh pieces = linear_pieces_of(curved).mesh, before = linear_pieces_of(straight).mesh;
     for (Index t = 0; t < pieces.num_tets(); ++t)
         EXPECT_GE(tet_volume(pieces, t), 0.33 * tet_volume(before, t));
+    int left = 0;  // though the interface is some 9 mm away
+    for (const auto& triangle : straight.surface.triangles)
+        for (const Index node : triangle)
+            left += node >= sunk.mesh.num_nodes() &&
+                    field.interface_value(below, above, curved.mesh.nodes[node]) < -5;
+    EXPECT_GT(left, 0);
 }
 
 }  // namespace

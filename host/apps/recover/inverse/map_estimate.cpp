@@ -287,7 +287,7 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         if (!improved) state = recounted(blind_step(state, best));
     }
     // Half steps that no line search guards may climb.
-    if (lowest && lowest_objective < records_.back().objective) state = *std::move(lowest);
+    if (lowest && lowest_objective <= records_.back().objective) state = *std::move(lowest);
     if (!std::isfinite(state.objective))
         throw Error(
             ErrorCode::solve_failed,

@@ -4,8 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -26,6 +29,20 @@ std::vector<std::set<Index>> neighbours_of(const Surface& surface) {
     return neighbours;
 }
 
+/// Vertices with an edge of one triangle: the rim of an open surface.
+std::vector<std::uint8_t> on_rim(const Surface& surface) {
+    std::map<std::pair<Index, Index>, int> triangles_at;
+    for (const Triangle& triangle : surface.triangles)
+        for (int c = 0; c < 3; ++c) {
+            const Index p = triangle[c], q = triangle[(c + 1) % 3];
+            ++triangles_at[{std::min(p, q), std::max(p, q)}];
+        }
+    std::vector<std::uint8_t> found(surface.vertices.size(), 0);
+    for (const auto& [edge, count] : triangles_at)
+        if (count == 1) found[edge.first] = found[edge.second] = 1;
+    return found;
+}
+
 bool is_spread(const Eigen::Matrix2d& square) {
     const double half = 0.5 * square.trace();
     const double root = std::sqrt(std::max(0.0, half * half - square.determinant()));
@@ -37,11 +54,12 @@ bool is_spread(const Eigen::Matrix2d& square) {
 EdgeMiddles::EdgeMiddles(const Surface& surface, const std::vector<Vec3>& normals)
     : gradient_(surface.vertices.size()), vertices_(surface.vertices) {
     const auto neighbours = neighbours_of(surface);
+    const auto is_rim = on_rim(surface);
     for (std::size_t v = 0; v < gradient_.size(); ++v) {
         const Vec3 first = normals[v].unitOrthogonal(), second = normals[v].cross(first);
         Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
         std::vector<std::pair<Index, Eigen::Vector2d>> tangential;
-        bool is_smooth = true;
+        bool is_smooth = !is_rim[v];
         for (const Index other : neighbours[v]) {
             const Vec3 offset = vertices_[other] - vertices_[v];
             tangential.push_back({other, {first.dot(offset), second.dot(offset)}});

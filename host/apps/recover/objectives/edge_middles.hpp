@@ -19,8 +19,9 @@ struct VertexWeight {
 ///   u((x_p + x_q) / 2) = (u_p + u_q) / 2 + (s_p - s_q) / 8,
 ///   s_v = g_v . (x_q - x_p),   g_v the gradient along the surface that fits the neighbours of v,
 ///   g_v = (sum t_j t_j^T)^-1 sum t_j (u_j - u_v),   t_j the part of x_j - x_v along the surface
-/// (least squares). Where the surface is not smooth, as at the edge of a box, the mean of both
-/// ends.
+/// (least squares).
+/// Where the surface is not smooth, as at the edge of a box, and at the rim of an open one, the
+/// mean of both ends.
 class EdgeMiddles {
 public:
     /// `normals` [num vertices]: of length 1.

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -18,15 +19,19 @@ namespace {
 /// is aligned by it.
 constexpr int most_moves = 4;
 constexpr double on_contour_mm = 1e-3;
+/// Of the gradient of a distance: near the ridge of a thin organ it is smaller than one.
+constexpr double least_slope = 0.3;
 
-Vec3 on_contour(Vec3 point, const DistanceMap& contour) {
-    for (int k = 0; k < most_moves; ++k) {
-        Vec3 gradient;
-        const double distance = contour.value(point, gradient);
-        if (!(std::abs(distance) > on_contour_mm && gradient.squaredNorm() > 0)) break;
-        point -= distance / gradient.squaredNorm() * gradient;
+/// The point, where it does not come nearer to the contour or leaves the image.
+Vec3 on_contour(const Vec3& corner, const DistanceMap& contour, const LabelField& field) {
+    Vec3 point = corner, gradient;
+    double distance = contour.value(point, gradient);
+    const double far = std::abs(distance);
+    for (int k = 0; k < most_moves && std::abs(distance) > on_contour_mm; ++k) {
+        point -= distance / std::max(least_slope * least_slope, gradient.squaredNorm()) * gradient;
+        distance = contour.value(point, gradient);
     }
-    return point;
+    return std::abs(distance) < far && field.inside_box(point) ? point : corner;
 }
 
 /// Points on the contours of the fixed organs: the corners of their surfaces, caps left out.
@@ -39,7 +44,7 @@ std::vector<std::vector<Vec3>> fixed_points(const RegionSurface& surface, const 
         const Index region = first_organ_region + static_cast<Index>(k);
         const DistanceMap& contour = contours[points.size()];
         points.push_back(surface_of_region(surface, region, false).vertices);
-        for (Vec3& point : points.back()) point = on_contour(point, contour);
+        for (Vec3& point : points.back()) point = on_contour(point, contour, field);
     }
     return points;
 }

@@ -20,7 +20,7 @@ constexpr FileMark file_mark{'P', 'A', 'L', 'P', 'R', 'E', 'D', '\n'};
 struct Header {
     FileMark mark = file_mark;
     std::uint32_t byte_order = 0x01020304;
-    std::uint32_t format = 2;  ///< count up whenever the content changes
+    std::uint32_t format = 3;  ///< count up whenever the content changes
     std::uint64_t content_bytes = 0;
     std::uint64_t content_hash = 0;
 };
