@@ -44,11 +44,12 @@ struct Sheet {
         const auto plane = std::make_shared<VoxelPlane>();
         return {recovery, {{plane}, {plane}}, seen, options};
     }
-    ObservedState lifted(const SurfaceObservations& observations) const {
+    ObservedState lifted(const SurfaceObservations& observations,
+                         double (*lift_of)(const Vec3&) = lift_mm) const {
         const auto lift = [&](const std::vector<Index>& nodes) {
             Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * static_cast<Index>(nodes.size()));
             for (std::size_t k = 0; k < nodes.size(); ++k)
-                u[3 * static_cast<Index>(k) + 2] = lift_mm(recovery.model.mesh.nodes[nodes[k]]);
+                u[3 * static_cast<Index>(k) + 2] = lift_of(recovery.model.mesh.nodes[nodes[k]]);
             return u;
         };
         return observations.evaluate(lift(recovery.driven), lift(recovery.observed));
@@ -92,6 +93,27 @@ TEST(SurfaceObservations, AnEdgeToAHeldNodeMovesHalfAsFarInItsMiddle) {
         sheet.lifted(observations).residual_mm[k],
         lift_mm(row.place) - 0.5 * weight * lift_mm(sheet.recovery.model.mesh.nodes[held_node]),
         1e-12);
+}
+
+TEST(SurfaceObservations, TheMiddlesOfAPatchFollowMotionThatBends) {
+    const auto bend_mm = [](const Vec3& x) { return 0.02 * x.x() * x.x() - 0.01 * x.x() * x.y(); };
+    Sheet sheet;
+    sheet.recovery.observed.push_back(held_node);
+    const auto observations = sheet.observations();
+    const ObservedState state = sheet.lifted(observations, bend_mm);
+
+    int bent = 0;
+    for (Index k = 0; k < observations.num_rows(); ++k) {
+        const Observation& row = observations.rows()[k];
+        const Index i = row.node % side, j = row.node / side;
+        if (i < 2 || j < 2 || i > side - 3 || j > side - 3) continue;
+        double mean = 0;
+        for (std::size_t p = 0; p < row.patch.offsets.size(); ++p)
+            mean += row.patch.weights[p] * bend_mm(row.place + row.patch.offsets[p]);
+        EXPECT_NEAR(state.residual_mm[k], mean, 1e-12) << row.node;
+        bent += std::abs(mean - bend_mm(row.place)) > 0.01;
+    }
+    EXPECT_EQ(bent, 9);
 }
 
 TEST(SurfaceObservations, BesideWhatIsOutsideTheImageANodeStandsForItselfAlone) {
