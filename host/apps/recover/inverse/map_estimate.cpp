@@ -288,7 +288,8 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
     }
     // Half steps that no line search guards may climb. Where contours are off, outliers are counted
     // anew at each state, and objectives of two states do not compare.
-    if (options_.contour_mm == 0 && lowest && lowest_objective <= records_.back().objective) state = *std::move(lowest);
+    if (options_.contour_mm == 0 && lowest && lowest_objective <= records_.back().objective)
+        state = *std::move(lowest);
     if (!std::isfinite(state.objective))
         throw Error(
             ErrorCode::solve_failed,
