@@ -67,6 +67,17 @@ std::vector<double> vertex_areas(const Surface& surface) {
     return areas;
 }
 
+std::vector<std::set<Index>> vertex_neighbours(const Surface& surface) {
+    std::vector<std::set<Index>> neighbours(surface.vertices.size());
+    for (const Triangle& triangle : surface.triangles)
+        for (int c = 0; c < 3; ++c) {
+            const Index p = triangle[c], q = triangle[(c + 1) % 3];
+            neighbours[p].insert(q);
+            neighbours[q].insert(p);
+        }
+    return neighbours;
+}
+
 std::vector<Vec3> vertex_normals(const Surface& surface) {
     std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
     for (const Triangle& t : surface.triangles) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include "solver/base/types.hpp"
@@ -40,6 +41,8 @@ double surface_area(const Surface& surface);
 /// A third of the area of the triangles round each vertex, mm^2: [num vertices], sum
 /// `surface_area`.
 std::vector<double> vertex_areas(const Surface& surface);
+/// Of every vertex, those at the other ends of its edges.
+std::vector<std::set<Index>> vertex_neighbours(const Surface& surface);
 /// Unit normals of the vertices, triangles weighted by their area; zero where they cancel.
 std::vector<Vec3> vertex_normals(const Surface& surface);
 

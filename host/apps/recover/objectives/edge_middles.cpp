@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 namespace palpate {
@@ -17,17 +16,6 @@ namespace {
 constexpr double most_slope = 0.5;
 /// Smallest eigenvalue of sum t t^T over the largest: neighbours to all sides.
 constexpr double least_spread = 0.05;
-
-std::vector<std::set<Index>> neighbours_of(const Surface& surface) {
-    std::vector<std::set<Index>> neighbours(surface.vertices.size());
-    for (const Triangle& triangle : surface.triangles)
-        for (int c = 0; c < 3; ++c) {
-            const Index p = triangle[c], q = triangle[(c + 1) % 3];
-            neighbours[p].insert(q);
-            neighbours[q].insert(p);
-        }
-    return neighbours;
-}
 
 /// Vertices with an edge of one triangle: the rim of an open surface.
 std::vector<std::uint8_t> on_rim(const Surface& surface) {
@@ -53,7 +41,7 @@ bool is_spread(const Eigen::Matrix2d& square) {
 
 EdgeMiddles::EdgeMiddles(const Surface& surface, const std::vector<Vec3>& normals)
     : gradient_(surface.vertices.size()), vertices_(surface.vertices) {
-    const auto neighbours = neighbours_of(surface);
+    const auto neighbours = vertex_neighbours(surface);
     const auto is_rim = on_rim(surface);
     for (std::size_t v = 0; v < gradient_.size(); ++v) {
         const Vec3 first = normals[v].unitOrthogonal(), second = normals[v].cross(first);

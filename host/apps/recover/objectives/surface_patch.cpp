@@ -5,7 +5,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <set>
 #include <utility>
 
 namespace palpate {
@@ -34,13 +33,7 @@ std::vector<double> weights_of(const std::vector<Vec3>& offsets, const Vec3& nor
 
 std::vector<SurfacePatch> surface_patches(const Surface& surface,
                                           const std::vector<Vec3>& normals) {
-    std::vector<std::set<Index>> neighbours(surface.vertices.size());
-    for (const Triangle& triangle : surface.triangles)
-        for (int c = 0; c < 3; ++c) {
-            const Index p = triangle[c], q = triangle[(c + 1) % 3];
-            neighbours[p].insert(q);
-            neighbours[q].insert(p);
-        }
+    const auto neighbours = vertex_neighbours(surface);
     std::vector<SurfacePatch> patches(surface.vertices.size());
     for (std::size_t v = 0; v < patches.size(); ++v) {
         SurfacePatch patch;
