@@ -22,6 +22,7 @@ constexpr double relative_tolerance = 1e-6;
 
 using Edge = std::pair<Index, Index>;
 
+/// As `FinerMesh::wall_middles_`.
 std::map<Edge, std::vector<VertexWeight>> wall_middles(const BodyMesh& mesh,
                                                        const Settings& settings) {
     std::map<Edge, std::vector<VertexWeight>> found;
@@ -32,6 +33,7 @@ std::map<Edge, std::vector<VertexWeight>> wall_middles(const BodyMesh& mesh,
     for (const ObservedSurface& wall : recovery.surfaces) {
         if (!wall.driven) continue;
         const EdgeMiddles middles(wall.surface, vertex_normals(wall.surface));
+        std::map<Edge, std::vector<VertexWeight>> of_wall;
         for (const Triangle& triangle : wall.surface.triangles)
             for (int c = 0; c < 3; ++c) {
                 const Index p = triangle[c], q = triangle[(c + 1) % 3];
@@ -39,8 +41,15 @@ std::map<Edge, std::vector<VertexWeight>> wall_middles(const BodyMesh& mesh,
                 for (VertexWeight& part : weights) part.vertex = wall.node_of[part.vertex];
                 // What is held beside what moves is no smooth motion.
                 if (std::none_of(weights.begin(), weights.end(), is_held))
-                    found[std::minmax(wall.node_of[p], wall.node_of[q])] = std::move(weights);
+                    of_wall[std::minmax(wall.node_of[p], wall.node_of[q])] = std::move(weights);
             }
+        for (const auto& [edge, weights] : of_wall) {
+            const auto [place, is_new] = found.try_emplace(edge, weights);
+            if (is_new) continue;
+            // Where walls touch, the mean of both.
+            place->second.insert(place->second.end(), weights.begin(), weights.end());
+            for (VertexWeight& part : place->second) part.weight *= 0.5;
+        }
     }
     return found;
 }

@@ -21,9 +21,8 @@ namespace palpate {
 /// nodes.
 class FinerMesh {
 public:
-    /// `mesh`: of tet4. Solved by multigrid
-    /// whatever `options` says: with eight times the elements a factorisation takes minutes and
-    /// gigabytes.
+    /// `mesh`: of tet4. Solved by multigrid whatever `options` says: with eight times the elements
+    /// a factorisation takes minutes and gigabytes.
     FinerMesh(BodyMesh mesh, Settings settings, LinearSolverOptions options);
 
     /// u_h/2 - u_h at the nodes of the coarser mesh, mm.
@@ -36,12 +35,14 @@ public:
 
 private:
     using Edge = std::pair<Index, Index>;
+
     struct Finer {
         std::vector<Edge> edges;               ///< of the nodes that are new
         std::vector<std::uint8_t> prescribed;  ///< [3 num_nodes of the finer mesh]
         std::unique_ptr<LinearSolver> solver;
     };
     Finer finer_at(const std::vector<double>& kpa) const;
+
     BodyMesh mesh_;
     /// Of each edge of a driven surface: nodes and the weights of their displacements.
     std::map<Edge, std::vector<VertexWeight>> wall_middles_;
