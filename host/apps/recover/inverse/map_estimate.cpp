@@ -226,6 +226,9 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         false, fmt::format("{} iterations were not enough", options_.max_iterations), 0};
     AndersonAcceleration acceleration(remembered_steps);
     int quiet_steps = 0, stalls = 0;
+    // Half steps that no line search guards may climb. Where contours are off, outliers are counted
+    // anew at each state, and objectives of two states do not compare.
+    const bool keeps_lowest = options_.contour_mm == 0;
     std::optional<SearchState> lowest;  // since steps were refused, the noise the same throughout
     double lowest_objective = 0;
     bool is_checked = !is_scanned || unknowns_.empty();  // for deeper valleys
@@ -243,7 +246,7 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         record(k, state, best, moved);
         termination.iterations = k;
         if (is_noise_new || is_noise_open) lowest.reset();
-        if (lowest ? records_.back().objective < lowest_objective : !improved) {
+        if (keeps_lowest && (lowest ? records_.back().objective < lowest_objective : !improved)) {
             lowest = state;
             lowest_objective = records_.back().objective;
         }
@@ -286,10 +289,7 @@ MapEstimate Search::iterate(SearchState state, bool is_scanned) {
         }
         if (!improved) state = recounted(blind_step(state, best));
     }
-    // Half steps that no line search guards may climb. Where contours are off, outliers are counted
-    // anew at each state, and objectives of two states do not compare.
-    if (options_.contour_mm == 0 && lowest && lowest_objective <= records_.back().objective)
-        state = *std::move(lowest);
+    if (lowest && lowest_objective <= records_.back().objective) state = *std::move(lowest);
     if (!std::isfinite(state.objective))
         throw Error(
             ErrorCode::solve_failed,
