@@ -8,27 +8,12 @@
 #include <cmath>
 
 #include "solver/base/error.hpp"
+#include "tests/fixtures/bone_and_gland.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr Index bone = first_organ_region, gland = first_organ_region + 1;
-
-Settings settings() {
-    return parse_settings(R"(
-        [background]
-        [[organ]]
-        name = "bone"
-        label = 1
-        role = "fixed"
-        [[organ]]
-        name = "gland"
-        label = 2
-        role = "tissue"
-        stiffness_kpa = "unknown"
-        )",
-                          "alignment_test");
-}
 
 /// A bone with three unlike axes and a gland beside it, moved by a rigid motion.
 RegionImage image_of(const RigidTransform& motion) {
@@ -132,7 +117,7 @@ TEST(Alignment, OfCentroidsTakesTheOrgansThatMayMove) {
     for (std::size_t v = 0; v < target.voxels.size(); ++v)  // the bone stays: it must not count
         if (reference.voxels[v] == bone && target.voxels[v] != gland) target.voxels[v] = bone;
 
-    const RigidTransform found = align_centroids(reference, target, settings());
+    const RigidTransform found = align_centroids(reference, target, fixtures::bone_and_gland());
 
     EXPECT_EQ(found.rotation, Mat3(Mat3::Identity()));
     EXPECT_LT((found.translation - shift).norm(), 1e-9);

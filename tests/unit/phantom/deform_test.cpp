@@ -29,6 +29,9 @@ TEST(NodesOnRegion, AreThoseOfItsWallOnly) {
 class DeformedPelvis : public testing::Test {
 protected:
     void SetUp() override {
+        materials[1] = {10, 0.35};
+        materials[2] = {80, 0.40};
+        options.backend = "reference";
         anatomy = make_anatomy(1, Vec3::Ones());
         const ImageGrid cubes = grid_of_box(anatomy, Vec3(10, 10, 10));
         const RegionImage image = fill_shapes(anatomy, cubes);
@@ -64,6 +67,8 @@ protected:
     }
     PelvisAnatomy anatomy;
     RegionMesh block;
+    std::vector<LinearElastic> materials = std::vector<LinearElastic>(7);
+    LinearSolverOptions options;
 };
 
 /// mN mm
@@ -75,12 +80,7 @@ double energy_of(const Deformation& deformation) {
 }
 
 TEST_F(DeformedPelvis, MovesWallsAsPrescribedHoldsBonesAndCrushesNoElement) {
-    std::vector<LinearElastic> materials(7);
-    materials[1] = {10, 0.35};
-    materials[2] = {80, 0.40};
     const auto motions = make_wall_motions(anatomy, 1);
-    LinearSolverOptions options;
-    options.backend = "reference";
 
     const Deformation result =
         deform_by_walls(body(), materials, {motions}, 1, TissueLaw{}, options, {}).at(0);
@@ -112,11 +112,6 @@ TEST_F(DeformedPelvis, MovesWallsAsPrescribedHoldsBonesAndCrushesNoElement) {
 }
 
 TEST_F(DeformedPelvis, BalancesForcesBetweenWallsBonesAndBox) {
-    std::vector<LinearElastic> materials(7);
-    materials[1] = {10, 0.35};
-    materials[2] = {80, 0.40};
-    LinearSolverOptions options;
-    options.backend = "reference";
     const Deformation result = deform_by_walls(body(), materials, {make_wall_motions(anatomy, 1)},
                                                1, TissueLaw{}, options, {})
                                    .at(0);
@@ -137,11 +132,6 @@ TEST_F(DeformedPelvis, BalancesForcesBetweenWallsBonesAndBox) {
 }
 
 TEST_F(DeformedPelvis, StoresLessTheBetterItsElementsBend) {
-    std::vector<LinearElastic> materials(7);
-    materials[1] = {10, 0.35};
-    materials[2] = {80, 0.40};
-    LinearSolverOptions options;
-    options.backend = "reference";
     const BodyMesh quadratic = body(ElementType::tet10);
     const BodyMesh pieces = body_mesh(linear_pieces_of(quadratic), ElementType::tet4);
     constexpr double load_factor = 0.1;  // no element suffers
@@ -162,11 +152,6 @@ TEST_F(DeformedPelvis, StoresLessTheBetterItsElementsBend) {
 }
 
 TEST_F(DeformedPelvis, MovesUnderEachLoadAsUnderItAlone) {
-    std::vector<LinearElastic> materials(7);
-    materials[1] = {10, 0.35};
-    materials[2] = {80, 0.40};
-    LinearSolverOptions options;
-    options.backend = "reference";
     const std::vector<std::vector<WallMotion>> loads{make_wall_motions(anatomy, 1),
                                                      make_wall_motions(anatomy, 2)};
 

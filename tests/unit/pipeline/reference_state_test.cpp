@@ -7,28 +7,12 @@
 #include <cmath>
 
 #include "host/geometry/surfaces/distance_map.hpp"
+#include "tests/fixtures/bone_and_gland.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr Index bone = first_organ_region;
-
-Settings bone_and_gland() {
-    return parse_settings(R"(
-        [background]
-        [[organ]]
-        name = "bone"
-        label = 1
-        role = "fixed"
-        hollow = true
-        [[organ]]
-        name = "gland"
-        label = 2
-        role = "tissue"
-        stiffness_kpa = "unknown"
-        )",
-                          "reference_state_test");
-}
 
 Segmentation volume() {
     Segmentation segmentation;
@@ -48,7 +32,7 @@ Segmentation volume() {
 
 TEST(ReferenceState, IsAlignedByPointsOnTheContourHoweverLongTheEdgesAre) {
     RecoverOptions options;
-    options.settings = bone_and_gland();
+    options.settings = fixtures::bone_and_gland();
     for (const Index num_nodes : {300, 3000}) {
         options.mesher.num_nodes = num_nodes;
 
