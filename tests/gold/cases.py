@@ -67,7 +67,13 @@ def _recovered_figures(report, share_of_sd=SHARE_OF_SD):
             figures[f"{name}.stiffness_kpa"] = [value, relative * value]
             figures[f"{name}.low_kpa"] = [low, 2 * relative * low]
             figures[f"{name}.high_kpa"] = [high, 2 * relative * high]
-        if isinstance(region.get("poisson_ratio"), float):
+        ratio = region.get("searched_poisson_ratio")
+        if ratio:
+            figures[f"{name}.poisson_ratio.verdict"] = [ratio["verdict"], None]
+            figures[f"{name}.poisson_ratio.interval"] = [f"{ratio['interval'][0]:.2f} to {ratio['interval'][1]:.2f}", None]
+            if ratio["verdict"] != "not identifiable":  # in a flat valley it ends anywhere
+                figures[f"{name}.poisson_ratio"] = [ratio["value"], 0.005]
+        elif isinstance(region.get("poisson_ratio"), float):
             figures[f"{name}.poisson_ratio"] = [region["poisson_ratio"], 0.005]
     if report.get("contours"):
         figures["contours_mm"] = [report["contours"]["sd_mm"], 0.03]
