@@ -52,12 +52,11 @@ MapEstimate recover_from_surfaces(const Truth& truth, const StudyOptions& option
 Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& progress) {
     const auto begin = std::chrono::steady_clock::now();
     const MapEstimate found = recover_from_surfaces(truth, options, progress);
-    const double kpa = std::exp(found.theta[0]), expected = truth.options.stiffness_kpa;
-    const auto interval =
-        truth.is_finer
-            ? with_model_error(found.interval_kpa[0], kpa, std::sqrt(found.covariance(0, 0)),
-                               found.unknown[0].sd, model_sd_ln_with(0))
-            : found.interval_kpa[0];
+    const double expected = truth.options.stiffness_kpa;
+    KnownModulus known{std::exp(found.theta[0]), found.interval_kpa[0],
+                       std::sqrt(found.covariance(0, 0))};
+    if (truth.is_finer) known = with_model_error(known, found.unknown[0], model_sd_ln_with(0));
+    const auto& [kpa, interval, sd_ln] = known;
     Row row;
     row.set("truth", name_of(truth));
     row.set("seed", truth.options.seed, 0);

@@ -371,23 +371,63 @@ TEST(LinearisedProblem, SearchEndsWhereTheGradientVanishes) {
 
 TEST(ModelError, ModelErrorAddsInQuadratureOnBothSides) {
     const double sd = 0.2;
-    constexpr double wide_prior = 1e6;
-    const auto widened = with_model_error({80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, 80,
-                                          sd, wide_prior, model_sd_ln);
+    const Unknown wide_prior{0, 0, 1e6};
+    const KnownModulus told = with_model_error(
+        {80, {80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, sd}, wide_prior, model_sd_ln);
 
     const double whole = std::hypot(data_sd_factor * sd, model_sd_ln);
-    EXPECT_NEAR(sd_ln_with_model_error(sd, wide_prior, model_sd_ln), whole, 1e-9);
-    EXPECT_NEAR(std::log(widened[1] / 80), 1.96 * whole, 1e-9);
-    EXPECT_NEAR(std::log(widened[0] / 80), -1.96 * whole, 1e-9);
+    EXPECT_NEAR(told.sd_ln, whole, 1e-9);
+    EXPECT_NEAR(told.kpa, 80, 1e-6);
+    EXPECT_NEAR(std::log(told.interval_kpa[1] / 80), 1.96 * whole, 1e-9);
+    EXPECT_NEAR(std::log(told.interval_kpa[0] / 80), -1.96 * whole, 1e-9);
 }
 
-TEST(ModelError, WhatThePriorTellsIsNotStretched) {
-    constexpr double prior = 1.2;
-    EXPECT_NEAR(sd_ln_with_model_error(prior, prior, model_sd_ln), std::hypot(prior, model_sd_ln),
-                1e-12);
-    const double half = sd_ln_with_model_error(0.5 * prior, prior, model_sd_ln);
-    EXPECT_GT(half, 0.5 * prior);
-    EXPECT_LT(half, data_sd_factor * 0.5 * prior);
+/// The product of two normal densities of one number: its mean and standard deviation.
+std::pair<double, double> product_of(double mean_a, double sd_a, double mean_b, double sd_b) {
+    const double a = 1 / (sd_a * sd_a), b = 1 / (sd_b * sd_b);
+    return {(a * mean_a + b * mean_b) / (a + b), 1 / std::sqrt(a + b)};
+}
+
+TEST(ModelError, WhatIsToldIsThePriorWithDataOfWhichLessIsBelieved) {
+    const Unknown prior{0, std::log(100.0), 1.2};
+    for (const double data_sd : {0.05, 0.4, 2.0})
+        for (const double model_sd : {0.12, 0.65}) {
+            const double of_data = std::log(30.0);
+            const auto [found_ln, found_sd] = product_of(of_data, data_sd, prior.mean, prior.sd);
+            const auto [told_ln, told_sd] = product_of(
+                of_data, std::hypot(data_sd_factor * data_sd, model_sd), prior.mean, prior.sd);
+
+            const KnownModulus told = with_model_error(
+                {std::exp(found_ln),
+                 {std::exp(found_ln - 1.96 * found_sd), std::exp(found_ln + 1.96 * found_sd)},
+                 found_sd},
+                prior, model_sd);
+
+            EXPECT_NEAR(std::log(told.kpa), told_ln, 1e-9) << data_sd << ' ' << model_sd;
+            EXPECT_NEAR(told.sd_ln, told_sd, 1e-9);
+            EXPECT_NEAR(std::log(told.interval_kpa[0]), told_ln - 1.96 * told_sd, 1e-9);
+            EXPECT_NEAR(std::log(told.interval_kpa[1]), told_ln + 1.96 * told_sd, 1e-9);
+        }
+}
+
+TEST(ModelError, EitherSideOfAnIntervalKeepsItsOwnWidth) {
+    const Unknown prior{0, std::log(100.0), 1.2};
+    const KnownModulus told = with_model_error({100, {80, 200}, 0.2}, prior, model_sd_ln);
+
+    EXPECT_NEAR(told.kpa, 100, 1e-9);
+    EXPECT_LT(told.interval_kpa[0], 80);
+    EXPECT_GT(told.interval_kpa[1], 200);
+    EXPECT_GT(told.interval_kpa[1] / 100, 1.5 * 100 / told.interval_kpa[0]);
+}
+
+TEST(ModelError, WithoutDataThePriorIsTold) {
+    const Unknown prior{0, std::log(100.0), 1.2};
+    const KnownModulus told = with_model_error(
+        {100, {100 * std::exp(-1.96 * 1.2), 100 * std::exp(1.96 * 1.2)}, 1.2}, prior, model_sd_ln);
+
+    EXPECT_NEAR(told.kpa, 100, 1e-9);
+    EXPECT_NEAR(told.sd_ln, 1.2, 1e-12);
+    EXPECT_NEAR(told.interval_kpa[1], 100 * std::exp(1.96 * 1.2), 1e-6);
 }
 
 TEST(ModelError, ModelErrorGrowsWithTheContours) {

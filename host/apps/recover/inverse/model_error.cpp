@@ -8,12 +8,18 @@
 
 namespace palpate {
 
-std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa, double best_kpa,
-                                      double sd_ln) {
-    const double below = std::hypot(std::log(best_kpa / interval_kpa[0]), 1.96 * sd_ln);
-    const double above = std::hypot(std::log(interval_kpa[1] / best_kpa), 1.96 * sd_ln);
-    return {best_kpa * std::exp(-below), best_kpa * std::exp(above)};
+namespace {
+
+constexpr double normal_95 = 1.96;  // standard deviations
+
+double square(double x) { return x * x; }
+
+/// What the data tell of ln E, 1 / its variance.
+double information(double sd_ln, double prior_sd_ln) {
+    return std::max(0.0, 1 / square(sd_ln) - 1 / square(prior_sd_ln));
 }
+
+}  // namespace
 
 double model_sd_ln_with(double contour_mm, double mesh_change_ln) {
     const double per_image = contour_mm / std::numbers::sqrt2;
@@ -22,27 +28,26 @@ double model_sd_ln_with(double contour_mm, double mesh_change_ln) {
     return std::hypot(of_contours, unknown_share_of_mesh * mesh_change_ln);
 }
 
-namespace {
-
-/// Of the data and the prior alone, what the data tell worth less.
-double stretched_sd_ln(double sd_ln, double prior_sd_ln) {
-    const double of_prior = 1.0 / (prior_sd_ln * prior_sd_ln);
-    const double of_data = std::max(0.0, 1.0 / (sd_ln * sd_ln) - of_prior);
-    return 1.0 / std::sqrt(of_data / (data_sd_factor * data_sd_factor) + of_prior);
-}
-
-}  // namespace
-
 double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double model_sd) {
-    return std::hypot(stretched_sd_ln(sd_ln, prior_sd_ln), model_sd);
+    const double i = information(sd_ln, prior_sd_ln);
+    // 1 / (f^2 / i + model^2) = i / (f^2 + i model^2)
+    const double of_data = i / (square(data_sd_factor) + i * square(model_sd));
+    return 1 / std::sqrt(of_data + 1 / square(prior_sd_ln));
 }
 
-std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa,
-                                       double sd_ln, double prior_sd_ln, double model_sd) {
-    const double stretch = std::max(1.0, stretched_sd_ln(sd_ln, prior_sd_ln) / sd_ln);
-    const std::array<double, 2> stretched{best_kpa * std::pow(interval_kpa[0] / best_kpa, stretch),
-                                          best_kpa * std::pow(interval_kpa[1] / best_kpa, stretch)};
-    return with_further_sd(stretched, best_kpa, model_sd);
+KnownModulus with_model_error(const KnownModulus& found, const Unknown& prior, double model_sd) {
+    const double i = information(found.sd_ln, prior.sd);
+    const double g = (1 + square(prior.sd) * i) /
+                     (square(data_sd_factor) + i * (square(prior.sd) + square(model_sd)));
+    const double ln_kpa = prior.mean + g * (std::log(found.kpa) - prior.mean);
+    const auto half_width = [&](double half_width_found) {
+        return normal_95 * sd_ln_with_model_error(half_width_found / normal_95, prior.sd, model_sd);
+    };
+    const auto& [low, high] = found.interval_kpa;
+    return {std::exp(ln_kpa),
+            {std::exp(ln_kpa - half_width(std::log(found.kpa / low))),
+             std::exp(ln_kpa + half_width(std::log(high / found.kpa)))},
+            sd_ln_with_model_error(found.sd_ln, prior.sd, model_sd)};
 }
 
 }  // namespace palpate

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "host/estimate/objective.hpp"
+
 namespace palpate {
 
 /// Standard deviation of ln E that the model itself adds: linear tetrahedra of the default size and
@@ -27,19 +29,22 @@ constexpr double unknown_share_of_mesh = 0.5;
 /// `mesh_change_ln` what the size of the elements has changed.
 double model_sd_ln_with(double contour_mm, double mesh_change_ln = 0);
 
+/// What is known of a modulus, normal in ln E on either side.
+struct KnownModulus {
+    double kpa = 0;
+    std::array<double, 2> interval_kpa{0, 0};  ///< 95 %
+    double sd_ln = 0;
+};
+
 /// A standard deviation of ln E from the data and a prior, as this says it, and as it is with
-/// the model's own uncertainty `model_sd` (model_sd_ln_with):
-///   s^2 = 1 / (i / data_sd_factor^2 + 1 / prior^2) + model^2,   i = 1 / sd^2 - 1 / prior^2.
+/// the model's own uncertainty `model_sd` (model_sd_ln_with), which makes the data tell less:
+///   1/s^2 = 1 / (data_sd_factor^2 / i + model^2) + 1 / prior^2,   i = 1 / sd^2 - 1 / prior^2.
 double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double model_sd);
 
-/// The interval with a further, independent standard deviation of ln E added in quadrature on
-/// either side.
-std::array<double, 2> with_further_sd(const std::array<double, 2>& interval_kpa, double best_kpa,
-                                      double sd_ln);
-
-/// An interval that belongs to `sd_ln`, with the same: either side is stretched as the part of the
-/// standard deviation that comes from the data, then the model's is added in quadrature.
-std::array<double, 2> with_model_error(const std::array<double, 2>& interval_kpa, double best_kpa,
-                                       double sd_ln, double prior_sd_ln, double model_sd);
+/// What a search found, the most probable modulus, and what is to be told of it: either side of the
+/// interval as the standard deviation above, and where data that tell less leave ln E,
+///   m + g (ln E - m),   g = (1 + prior^2 i) / (data_sd_factor^2 + i (prior^2 + model^2)),
+/// m the prior's mean: the less the data tell, the more of what was assumed is believed.
+KnownModulus with_model_error(const KnownModulus& found, const Unknown& prior, double model_sd);
 
 }  // namespace palpate

@@ -54,6 +54,7 @@ RegionResult background_result(const Settings& settings) {
     result.role = Role::background;
     result.poisson_ratio = settings.background->poisson_ratio;
     result.stiffness_kpa = settings.background->stiffness_kpa;
+    result.most_probable_kpa = result.stiffness_kpa;
     result.interval_kpa = {result.stiffness_kpa, result.stiffness_kpa};
     result.verdict = Verdict::given;
     result.reason = "reference tissue: every modulus is relative to it";
@@ -83,6 +84,7 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     const auto& estimate = found.estimate;
     result.unknown = true;
     result.stiffness_kpa = stiffness_kpa(found.recovery.model, result.region);
+    result.most_probable_kpa = result.stiffness_kpa;
     const Judgement verdict = judge_unobserved(result.role == Role::driven);
     result.verdict = verdict.verdict;
     result.reason = verdict.reason;
@@ -145,6 +147,7 @@ std::vector<RegionResult> region_results(const Recovered& found, const Settings&
             result.reason = "its inside is not modelled";
         } else if (organ.stiffness_kpa) {
             result.stiffness_kpa = *organ.stiffness_kpa;
+            result.most_probable_kpa = result.stiffness_kpa;
             result.interval_kpa = {*organ.stiffness_kpa, *organ.stiffness_kpa};
             result.verdict = Verdict::given;
             result.reason = "set in the settings";

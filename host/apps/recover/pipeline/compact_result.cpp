@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '5', '\n'};
+constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '6', '\n'};
 constexpr FileMark body_mark{'P', 'A', 'L', 'B', 'D', 'Y', '1', '\n'};
 
 [[noreturn]] void refuse_bytes(const std::string& why) {
@@ -36,7 +36,7 @@ template <typename Stream, typename Regions>
 void visit_regions(Stream& stream, Regions& regions) {
     stream.each(regions, [](auto& inner, auto& r) {
         inner(r.region, r.name, r.label, r.role, r.hollow, r.unknown, r.poisson_ratio,
-              r.stiffness_kpa, r.interval_kpa, r.sd_ln, r.verdict, r.reason);
+              r.stiffness_kpa, r.most_probable_kpa, r.interval_kpa, r.sd_ln, r.verdict, r.reason);
         visit_optional(inner, r.ratio, [](auto& within, auto& ratio) {
             within(ratio.interval, ratio.verdict, ratio.reason);
         });
@@ -188,7 +188,7 @@ RecoveryResult expand_result(const CompactResult& kept, const Segmentation& refe
     result.warnings = warnings;
     for (const Index region : result.mesh.region)
         for (const RegionResult& r : result.regions)
-            if (r.region == region) result.element_stiffness_kpa.push_back(r.stiffness_kpa);
+            if (r.region == region) result.element_stiffness_kpa.push_back(r.most_probable_kpa);
     return result;
 }
 

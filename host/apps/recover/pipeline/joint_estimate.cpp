@@ -65,7 +65,6 @@ std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets
         region.region = all.unknown[k].object;
         region.name = name_of_region(settings, region.region);
         region.unknown = true;
-        region.stiffness_kpa = std::exp(all.theta[k]);
         all.noise_level.contour_mm = contours_left_mm(targets, shares.col(static_cast<Index>(k)));
         judge_modulus(all, k, settings, region);
         regions.push_back(std::move(region));

@@ -13,40 +13,40 @@
 namespace palpate {
 namespace {
 
-/// The evidence on unknown `k` where one search has ended. `mesh_change_ln`: what elements of no
-/// size would change of ln E.
-ModulusEvidence evidence_at(const MapEstimate& estimate, Index k, double mesh_change_ln) {
-    const double best_kpa = std::exp(estimate.theta[k]);
+/// What is known of unknown `k` where one search has ended, and is to be told, were its moduli
+/// changed by `shift_ln`. `mesh_change_ln`: what elements of no size would change of ln E.
+ModulusAnswer answer_at(const MapEstimate& estimate, Index k, double mesh_change_ln,
+                        double shift_ln = 0) {
+    KnownModulus found{std::exp(estimate.theta[k] + shift_ln), estimate.interval_kpa[k],
+                       std::sqrt(estimate.covariance(k, k))};
+    for (double& end : found.interval_kpa) end *= std::exp(shift_ln);
+    const KnownModulus told =
+        with_model_error(found, estimate.unknown[k],
+                         model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change_ln));
     ModulusEvidence evidence;
-    const double model_sd = model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change_ln);
-    const double sd_ln = std::sqrt(estimate.covariance(k, k));
+    evidence.interval_kpa = told.interval_kpa;
+    evidence.sd_ln = told.sd_ln;
     evidence.prior_sd_ln = estimate.unknown[k].sd;
-    evidence.interval_kpa =
-        with_model_error(estimate.interval_kpa[k], best_kpa, sd_ln, evidence.prior_sd_ln, model_sd);
-    evidence.sd_ln = sd_ln_with_model_error(sd_ln, evidence.prior_sd_ln, model_sd);
     evidence.seen_sd_ln = estimate.seen_sd_ln[k];
     evidence.excludes_soft = estimate.excluded_ends[k][0];
     evidence.excludes_stiff = estimate.excluded_ends[k][1];
-    return evidence;
+    return {told.kpa, evidence};
 }
 
-/// The evidence on unknown `k`, other searches' ends and its strongest partner among the other
+/// What is known of unknown `k`, other searches' ends and its strongest partner among the other
 /// unknown moduli included. What the mesh changes is known at the first end and taken to be the
 /// same at the others.
-ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
+ModulusAnswer answer_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
     const Index row = static_cast<Index>(k);
     const Eigen::MatrixXd& covariance = estimate.covariance;
     const double mesh_change =
         estimate.mesh_change_ln.size() > 0 ? estimate.mesh_change_ln[row] : 0;
     std::vector<ModulusAnswer> others;
-    for (const auto& other : estimate.others) {
-        ModulusAnswer answer{std::exp(other->theta[row] + mesh_change),
-                             evidence_at(*other, row, mesh_change)};
-        for (double& end : answer.evidence.interval_kpa) end *= std::exp(mesh_change);
-        others.push_back(std::move(answer));
-    }
-    ModulusEvidence evidence = evidence_with(
-        {std::exp(estimate.theta[row]), evidence_at(estimate, row, mesh_change)}, others);
+    for (const auto& other : estimate.others)
+        others.push_back(answer_at(*other, row, mesh_change, mesh_change));
+    ModulusAnswer answer = answer_at(estimate, row, mesh_change);
+    ModulusEvidence& evidence = answer.evidence;
+    evidence = evidence_with(answer, others);
     for (Index other = 0; other < covariance.cols(); ++other) {
         const double correlation =
             covariance(row, other) / std::sqrt(covariance(row, row) * covariance(other, other));
@@ -55,7 +55,7 @@ ModulusEvidence evidence_of(const MapEstimate& estimate, std::size_t k, const Se
         evidence.partner_correlation = correlation;
         evidence.partner = name_of_region(settings, estimate.unknown[other].object);
     }
-    return evidence;
+    return answer;
 }
 
 void tell(const Judgement& verdict, RegionResult& result) {
@@ -74,19 +74,22 @@ bool has_known_tissue(const Settings& settings) {
 
 bool has_other_answer(const MapEstimate& estimate, const Settings& settings) {
     for (std::size_t k = 0; k < estimate.unknown.size() && !estimate.others.empty(); ++k)
-        if (!evidence_of(estimate, k, settings).other_kpa.empty()) return true;
+        if (!answer_of(estimate, k, settings).evidence.other_kpa.empty()) return true;
     return false;
 }
 
 void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& settings,
                    RegionResult& result) {
+    result.most_probable_kpa = std::exp(estimate.theta[static_cast<Index>(k)]);
+    result.stiffness_kpa = result.most_probable_kpa;
     if (estimate.interval_kpa.empty()) {
         result.sd_ln = std::numeric_limits<double>::quiet_NaN();
         result.interval_kpa = {result.sd_ln, result.sd_ln};
         return tell(not_judged("nested-lbfgs"), result);
     }
-    const ModulusEvidence evidence = evidence_of(estimate, k, settings);
+    const auto [kpa, evidence] = answer_of(estimate, k, settings);
     const Judgement verdict = judge(evidence);
+    result.stiffness_kpa = kpa;
     result.interval_kpa = told_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
     const bool is_told = verdict.verdict != Verdict::not_identifiable;
     result.seen_ends = {is_told && evidence.excludes_soft, is_told && evidence.excludes_stiff};

@@ -16,7 +16,7 @@ bool has_known_tissue(const Settings& settings);
 /// Whether searches of the same target have ended at moduli that the intervals do not hold.
 bool has_other_answer(const MapEstimate& estimate, const Settings& settings);
 
-/// Interval, standard deviation and verdict of the modulus of unknown `k`, with what the model
+/// The modulus of unknown `k`, its interval, standard deviation and verdict, with what the model
 /// itself adds, into `result`. Not judged where the search gave no interval.
 void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& settings,
                    RegionResult& result);
