@@ -76,7 +76,7 @@ def test_the_febio_file_holds_the_model_in_megapascals(results, tmp_path):
         for material in materials:
             region = solid[material.attrib["name"]]
             assert material.attrib["type"] == name
-            assert float(material.find("E").text) == pytest.approx(region["stiffness_kpa"] / 1000)
+            assert float(material.find("E").text) == pytest.approx(region["most_probable_kpa"] / 1000)
             assert float(material.find("v").text) == pytest.approx(region["poisson_ratio"])
         nodes = numpy.array([[float(v) for v in n.text.split(",")] for n in root.findall("Mesh/Nodes/node")])
         numpy.testing.assert_allclose(nodes, arrays["Points"], atol=1e-5)

@@ -89,7 +89,9 @@ std::vector<ModelRegion> regions_of(const Json& json, const Mesh& mesh) {
         if (region.tets.empty()) continue;
         region.name = entry.at("name").get<std::string>();
         region.token = token_of(region.name, taken);
-        region.stiffness_kpa = entry.at("stiffness_kpa").get<double>();
+        region.stiffness_kpa =
+            entry.at(entry.contains("most_probable_kpa") ? "most_probable_kpa" : "stiffness_kpa")
+                .get<double>();
         region.poisson_ratio = entry.at("poisson_ratio").get<double>();
         regions.push_back(std::move(region));
     }

@@ -65,6 +65,7 @@ ResultTree region_part(const RegionResult& r) {
                     .verdict = r.verdict,
                     .reason = r.reason,
                     .interval_name = "interval_kpa"});
+    part.add("most_probable_kpa", of_solid(r.most_probable_kpa));
     const auto of_end = [&](int end) -> FigureValue {
         if (!r.unknown || !std::isfinite(r.interval_kpa[end])) return {};
         return r.seen_ends[end] ? "images" : "prior";

@@ -69,7 +69,10 @@ std::string profile_figure(const RecoveryResult& result, const ProfileResult& p)
     plot.curve(p.stiffness_kpa, p.objective, colour, true);
     return figure(
         plot.svg("Profile of the objective over the modulus of " + name),
-        name + ": objective over E, everything else fitted again. Shaded: 95 % interval.");
+        name +
+            ": objective over E, everything else fitted again, lowest at the most probable E. "
+            "Line and shade: the modulus that is told and its 95 % interval, for which the "
+            "images are believed less than the curve does.");
 }
 
 std::string objective_figure(const std::vector<IterationRecord>& records) {
