@@ -59,6 +59,7 @@ public:
     /// Empty while it runs, and after it was told once. What it has left behind is killed.
     std::optional<ChildEnd> ended();
     void signal_group(int signal) const;
+    pid_t id() const { return id_; }  ///< -1 once it was told to have ended
 
 private:
     pid_t id_ = -1;

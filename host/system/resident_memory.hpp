@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+namespace palpate {
+
+/// Resident memory of a process and of all that it has started, MB; 0 once it is gone.
+double resident_mb(pid_t process);
+
+}  // namespace palpate
