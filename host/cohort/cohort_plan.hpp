@@ -46,8 +46,9 @@ struct CohortPatient {
 };
 
 struct CohortLimits {
-    double target_s = 0;  ///< for one target, or for the reference; 0: ten times the estimate
-    int attempts = 3;     ///< of a pair whose process crashes or hangs
+    double target_s = 0;      ///< for one target, or for the reference; 0: ten times the estimate
+    int attempts = 3;         ///< of a pair whose process crashes or hangs
+    double memory_mb = 4000;  ///< resident, of a patient's process and what it starts
 };
 
 /// What holds for all of a cohort.

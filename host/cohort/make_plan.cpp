@@ -51,10 +51,12 @@ void take_config(const fs::path& path, CohortPlan& plan, fs::path& settings, fs:
             part->number("shard_minutes", {0.1, 10080}).value_or(plan.shard_minutes);
     }
     if (const auto part = config.table("limits")) {
-        part->allow_keys({"target_seconds", "attempts"});
+        part->allow_keys({"target_seconds", "attempts", "memory_mb"});
         plan.limits.target_s = part->number("target_seconds", {0.1, 1e7}).value_or(0);
         plan.limits.attempts =
             part->whole_number("attempts", 1, 100).value_or(plan.limits.attempts);
+        plan.limits.memory_mb =
+            part->number("memory_mb", {10, 1e7}).value_or(plan.limits.memory_mb);
     }
     if (const auto part = config.table("recover")) {
         const std::vector<Option> table = cohort_recover_table();

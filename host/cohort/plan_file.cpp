@@ -81,7 +81,9 @@ PlanHead head_of(const nlohmann::ordered_json& json) {
     head.keep = kept_files_of(json.at("keep").get<std::string>());
     head.recover_toml = json.at("recover");
     head.shard_minutes = json.at("shard_minutes");
-    head.limits = {json.at("limits").at("target_s"), json.at("limits").at("attempts")};
+    const Json& limits = json.at("limits");
+    head.limits = {limits.at("target_s"), limits.at("attempts"),
+                   limits.value("memory_mb", head.limits.memory_mb)};
     head.slurm_lines = json.at("slurm");
     head.num_bad_rows = json.at("bad_rows_left_out");
     if (json.contains("test_stub_s")) head.test_stub_s = json["test_stub_s"].get<double>();
@@ -124,20 +126,22 @@ void write_plan(const CohortPlan& plan, const fs::path& folder) {
     for (const char* name : {"cases", "failed", "journal", "logs", "engines"})
         make_folders(folder / name);
     const std::string places = write_rows(plan, folder / "plan.tsv");
-    nlohmann::ordered_json json{
-        {"format", plan_format},
-        {"format_version", plan_format_version},
-        {"version", version_text()},
-        {"numerics_version", numerics_version},
-        {"patients", plan.patients.size()},
-        {"cases", plan.num_cases()},
-        {"bad_rows_left_out", plan.num_bad_rows},
-        {"keep", name_of(plan.keep)},
-        {"shard_minutes", plan.shard_minutes},
-        {"recover", plan.recover_toml},
-        {"limits", {{"target_s", plan.limits.target_s}, {"attempts", plan.limits.attempts}}},
-        {"slurm", plan.slurm_lines},
-        {"plan_patients_sha256", sha256_of(places)}};
+    nlohmann::ordered_json json{{"format", plan_format},
+                                {"format_version", plan_format_version},
+                                {"version", version_text()},
+                                {"numerics_version", numerics_version},
+                                {"patients", plan.patients.size()},
+                                {"cases", plan.num_cases()},
+                                {"bad_rows_left_out", plan.num_bad_rows},
+                                {"keep", name_of(plan.keep)},
+                                {"shard_minutes", plan.shard_minutes},
+                                {"recover", plan.recover_toml},
+                                {"limits",
+                                 {{"target_s", plan.limits.target_s},
+                                  {"attempts", plan.limits.attempts},
+                                  {"memory_mb", plan.limits.memory_mb}}},
+                                {"slurm", plan.slurm_lines},
+                                {"plan_patients_sha256", sha256_of(places)}};
     if (plan.test_stub_s) json["test_stub_s"] = *plan.test_stub_s;
     replace_text(folder / "plan_patients.tsv", places);
     replace_text(folder / "plan.json", json.dump(2) + "\n");

@@ -21,13 +21,12 @@
 #include <tuple>
 
 #include "host/cohort/case_states.hpp"
-#include "host/cohort/claim.hpp"
 #include "host/cohort/cohort_folder.hpp"
 #include "host/cohort/patient.hpp"
 #include "host/cohort/patient_events.hpp"
-#include "host/cohort/patient_queue.hpp"
+#include "host/cohort/patient_in_work.hpp"
 #include "host/cohort/plan_file.hpp"
-#include "host/cohort/supervised_child.hpp"
+#include "host/cohort/shared_failure.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/system/interrupt.hpp"
 #include "solver/base/error.hpp"
@@ -36,29 +35,15 @@ namespace palpate {
 namespace fs = std::filesystem;
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = PatientInWork::Clock;
 constexpr int tick_ms = 100;
-constexpr double seconds_to_unwind = 2, seconds_between_claims = 0.5;
+constexpr double seconds_to_unwind = 2, seconds_between_claims = 0.5, seconds_between_looks = 0.25;
 constexpr double least_free_bytes = 64e6;
 constexpr int most_device_failures = 3;  // of different patients in a row
 
 double seconds_since(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
 }
-
-/// A patient in work: its claim, what is left of it, the process of now.
-struct InWork {
-    std::unique_ptr<const CohortPatient> patient;
-    Claim claim;
-    PatientQueue queue;
-    std::unique_ptr<SupervisedChild> child = nullptr;
-    std::string current = {};  ///< case; empty: the reference
-    Clock::time_point last_event = {}, asked_to_end = {};
-    bool is_late = false;
-    double limit_s = 0;                     ///< of its process
-    std::set<std::string> unreported = {};  ///< cases that its process was asked for
-    bool has_device_failure = false;
-};
 
 /// The work of one call of `run_cohort`.
 class CohortRunner {
@@ -172,7 +157,7 @@ private:
 
     /// In good order, within a second; what does not end is killed.
     void stop_children() {
-        for (const InWork& work : in_work_)
+        for (const PatientInWork& work : in_work_)
             if (work.child) work.child->signal_group(SIGTERM);
         const auto begin = Clock::now();
         while (!in_work_.empty() && seconds_since(begin) < 0.8) {
@@ -202,7 +187,7 @@ private:
     }
 
     void fill_slots() {
-        for (InWork& work : in_work_)
+        for (PatientInWork& work : in_work_)
             if (!work.child) start(work);
         if (are_all_busy_ && seconds_since(last_claims_) < seconds_between_claims) return;
         const bool has_room = in_work_.size() < std::size_t(options_.jobs);
@@ -243,7 +228,7 @@ private:
         return true;
     }
 
-    void start(InWork& work) {
+    void start(PatientInWork& work) {
         check_room();
         const NextWork next = work.queue.next();
         std::vector<std::string> words{"cohort", "patient", fs::absolute(folder_.path()).string(),
@@ -251,7 +236,7 @@ private:
         words.insert(words.end(), next.cases.begin(), next.cases.end());
         if (next.on_reference_backend) words.push_back("--on-reference-backend");
         work.current.clear();
-        work.is_late = false;
+        work.passed_limit.clear();
         work.limit_s = limit_s_ * next.limit_factor;
         work.unreported = {next.cases.begin(), next.cases.end()};
         work.last_event = Clock::now();
@@ -262,20 +247,20 @@ private:
 
     void wait_for_news() {
         std::vector<pollfd> ends;
-        for (const InWork& work : in_work_)
+        for (const PatientInWork& work : in_work_)
             for (const int end : {work.child->output(), work.child->errors()})
                 if (end >= 0) ends.push_back({end, POLLIN, 0});
         ::poll(ends.data(), ends.size(), tick_ms);
     }
 
-    void take_news(InWork& work) {
+    void take_news(PatientInWork& work) {
         if (!work.child) return;
         work.child->read([&](const std::string& line) {
             if (const auto event = event_of(line)) take(work, *event);
         });
     }
 
-    void take(InWork& work, const PatientEvent& event) {
+    void take(PatientInWork& work, const PatientEvent& event) {
         using Kind = PatientEvent::Kind;
         work.last_event = Clock::now();
         if (event.kind == Kind::started) work.current = event.case_id;
@@ -286,7 +271,7 @@ private:
             note_event(work, event);
     }
 
-    void note_done(InWork& work, const CaseRecord& record) {
+    void note_done(PatientInWork& work, const CaseRecord& record) {
         for (const CohortCase& c : work.patient->cases) {
             if (c.id != record.case_id) continue;
             journal_.add(record, inode_of(folder_.case_folder(*work.patient, c)));
@@ -298,11 +283,12 @@ private:
         work.queue.done(record.case_id);
         work.current.clear();
         device_failures_ = 0;
+        shared_failure_.add_result();
         write_held_back();
         tell(*work.patient, record.case_id, record.converged ? 0 : exit_code_not_converged, "");
     }
 
-    void note_event(InWork& work, const PatientEvent& event) {
+    void note_event(PatientInWork& work, const PatientEvent& event) {
         if (event.code == exit_code_of(ErrorCode::output_failed))
             output_failure_ = event.sentence;
         else if (event.code != exit_code_of(ErrorCode::cancelled) || !is_interrupted())
@@ -310,7 +296,7 @@ private:
         if (event.case_id == work.current) work.current.clear();
     }
 
-    void note_failure(InWork& work, const std::string& case_id, int code,
+    void note_failure(PatientInWork& work, const std::string& case_id, int code,
                       const std::string& sentence) {
         for (FinalFailure& failure : work.queue.failed(case_id, code, sentence)) {
             if (code == exit_code_of(ErrorCode::device_failed)) {
@@ -336,6 +322,7 @@ private:
             replace_text(file, failure_text({c.key, failure.sentence, host_name(), log,
                                              failure.code, failure.attempts}));
             count(patient, c, CaseStatus::failed);
+            shared_failure_.add_failure(failure.code, failure.sentence);
         }
         tell(patient, failure.case_id, failure.code, failure.sentence);
     }
@@ -351,9 +338,9 @@ private:
     }
 
     /// Whether nothing of the patient is left to do here.
-    bool is_over(InWork& work) {
+    bool is_over(PatientInWork& work) {
         take_news(work);
-        end_if_late(work);
+        end_beyond_limits(work);
         const auto end = work.child->ended();
         if (output_failure_)
             stop_with(ErrorCode::output_failed,
@@ -364,24 +351,32 @@ private:
         append_log(work);
         work.child.reset();
         stop_without_device(work);
+        stop_if_all_fail();
         if (!work.queue.is_empty()) return false;
         left_s_ -= work.patient->estimate_s;
         finished_s_ += work.patient->estimate_s;
         return true;
     }
 
-    void end_if_late(InWork& work) {
-        if (!work.is_late && seconds_since(work.last_event) > work.limit_s) {
-            work.is_late = true;
+    void end_beyond_limits(PatientInWork& work) const {
+        if (seconds_since(work.last_look) < seconds_between_looks) return;
+        work.last_look = Clock::now();
+        const double most_mb = plan_.head().limits.memory_mb;
+        if (!work.passed_limit.empty()) {
+            if (seconds_since(work.asked_to_end) > seconds_to_unwind)
+                work.child->signal_group(SIGKILL);
+        } else if (seconds_since(work.last_event) > work.limit_s) {
+            work.passed_limit = fmt::format("it took longer than {:g} s", work.limit_s);
             work.asked_to_end = Clock::now();
             work.child->signal_group(SIGTERM);
-        } else if (work.is_late && seconds_since(work.asked_to_end) > seconds_to_unwind) {
-            work.child->signal_group(SIGKILL);
+        } else if (work.child->memory_mb() > most_mb) {
+            work.passed_limit = fmt::format("it needed more than {:g} MB of memory", most_mb);
+            work.child->signal_group(SIGKILL);  // before the machine does so to another
         }
     }
 
     /// A process that ended although cases are left, and did not say why.
-    void judge(InWork& work, const ChildEnd& end) {
+    void judge(PatientInWork& work, const ChildEnd& end) {
         if (work.unreported.empty() || is_interrupted()) return;
         std::string why = fmt::format("its process ended with exit code {}", end.exit_code);
         if (end.exit_code == 0) why = "its process ended well and left no result";
@@ -389,14 +384,14 @@ private:
             why = fmt::format("its process was ended by signal {} ({})", end.signal,
                               ::strsignal(end.signal));
         int code = end.exit_code > 0 ? end.exit_code : exit_code_of(ErrorCode::internal);
-        if (work.is_late) {
-            why = fmt::format("it took longer than {:g} s", work.limit_s);
+        if (!work.passed_limit.empty()) {
+            why = work.passed_limit;
             code = exit_code_of(ErrorCode::time_limit);
         }
         note_failure(work, work.current, code, why);
     }
 
-    void append_log(const InWork& work) const {
+    void append_log(const PatientInWork& work) const {
         if (work.child->log_tail().empty()) return;
         std::error_code failed;
         const fs::path file = folder_.log_file(*work.patient);
@@ -408,7 +403,7 @@ private:
         ::close(out);
     }
 
-    void stop_without_device(InWork& work) {
+    void stop_without_device(PatientInWork& work) {
         if (!work.has_device_failure || !work.queue.is_empty()) return;
         if (++device_failures_ < most_device_failures) return;
         const std::string sentence = std::get<FinalFailure>(held_back_.back()).sentence;
@@ -416,6 +411,15 @@ private:
                   fmt::format("{} patients in a row failed on this machine's device, so they stay "
                               "waiting; the last: {}",
                               most_device_failures, sentence));
+    }
+
+    void stop_if_all_fail() {
+        const auto sentence = shared_failure_.sentence();
+        if (!sentence || options_.keep_going) return;
+        stop_with(ErrorCode::cancelled,
+                  fmt::format("the first {} cases failed alike, so the others stay waiting: {}; "
+                              "mend it and run again with --retry-failed, or --keep-going",
+                              SharedFailure::enough, *sentence));
     }
 
     const CohortRunOptions& options_;
@@ -426,12 +430,13 @@ private:
     JournalFile journal_;
     CohortRun run_;
     std::deque<std::size_t> waiting_;  ///< positions in the plan
-    std::list<InWork> in_work_;
+    std::list<PatientInWork> in_work_;
     std::set<std::string> counted_;  ///< patient/case, of patients with something left
     bool are_all_busy_ = false;
     Clock::time_point begin_ = Clock::now(), last_claims_ = {};
     double left_s_ = 0, finished_s_ = 0;  ///< estimates of patients
     int device_failures_ = 0;
+    SharedFailure shared_failure_;
     std::vector<std::tuple<CohortPatient, FinalFailure, std::string>> held_back_;
     std::optional<std::string> output_failure_;
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/system/child_process.hpp"
+#include "host/system/resident_memory.hpp"
 
 namespace palpate {
 
@@ -31,6 +32,8 @@ public:
     /// Empty while it runs.
     std::optional<ChildEnd> ended() { return process_.ended(); }
     void signal_group(int signal) const { process_.signal_group(signal); }
+    /// Of it and of what it has started; 0 once it was told to have ended.
+    double memory_mb() const { return process_.id() > 0 ? resident_mb(process_.id()) : 0; }
 
 private:
     ChildProcess process_;

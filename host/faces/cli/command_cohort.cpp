@@ -31,7 +31,7 @@ struct RunArguments {
     std::string cohort, shard = "1/1", progress = "bar";
     int jobs = 1;
     std::vector<std::string> only;
-    bool retry_failed = false;
+    bool retry_failed = false, keep_going = false;
 };
 
 int plan_cohort(const PlanArguments& a) {
@@ -109,6 +109,7 @@ int run_whole(const RunArguments& a) {
     options.jobs = a.jobs;
     options.only = a.only;
     options.retry_failed = a.retry_failed;
+    options.keep_going = a.keep_going;
     if (a.progress == "json")
         options.tell_case = [](const std::string& line) {
             fmt::print("{}", line);
@@ -141,6 +142,7 @@ void add_run(CLI::App& app, Run& run) {
         ->capture_default_str();
     command->add_option("--only", a->only, "These participants, not all")->type_name("ID");
     command->add_flag("--retry-failed", a->retry_failed, "Also cases that failed for good");
+    command->add_flag("--keep-going", a->keep_going, "Even if the first 20 cases fail alike");
     command->add_option("--progress", a->progress, "bar, json (a line a case) or none")
         ->check(CLI::IsMember({"bar", "json", "none"}))
         ->capture_default_str();
