@@ -7,6 +7,8 @@
 #include <csignal>
 #include <filesystem>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "host/cohort/case_card.hpp"
 #include "host/cohort/cohort_folder.hpp"
@@ -69,6 +71,9 @@ std::string stub_card(const std::string& key) {
         {0, -8, 3});
 }
 
+/// Of "log-300": 300.
+int megabytes_of(const std::string& id) { return std::stoi(id.substr(id.find('-') + 1)); }
+
 /// Throws, ends the process or does nothing, as the id asks.
 void misbehave(const CohortFolder& folder, const CohortPatient& patient, const CohortCase& c) {
     const std::string& id = c.id;
@@ -78,6 +83,17 @@ void misbehave(const CohortFolder& folder, const CohortPatient& patient, const C
         ::raise(SIGSEGV);
     }
     if (id.starts_with("silent")) ::_exit(0);
+    if (id.starts_with("stop")) ::raise(SIGSTOP);
+    if (id.starts_with("memory")) {  // as much as there is, in steps that a watcher sees
+        std::vector<std::vector<char>> taken;
+        for (;;) taken.emplace_back(std::size_t(50) << 20, 'm'), ::usleep(50000);
+    }
+    if (id.starts_with("log")) {
+        const std::string line(1023, 'l');
+        for (int megabyte = 0; megabyte < megabytes_of(id); ++megabyte)
+            for (int k = 0; k < 1024; ++k) fmt::print(stderr, "{}\n", line);
+        ::_exit(1);
+    }
     while (id.starts_with("hang")) {
     }
 }

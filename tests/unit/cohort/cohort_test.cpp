@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "host/cohort/case_record.hpp"
@@ -15,7 +17,10 @@
 #include "host/cohort/plain_statistics.hpp"
 #include "host/cohort/plan_rows.hpp"
 #include "host/cohort/shards.hpp"
+#include "host/cohort/shared_failure.hpp"
 #include "host/io/delimited_text.hpp"
+#include "host/system/child_process.hpp"
+#include "host/system/resident_memory.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/locked_folder.hpp"
 
@@ -184,6 +189,34 @@ TEST(PatientQueue, GoesOnWithTheOthersAndThenTriesAlone) {
     ASSERT_EQ(over.size(), 1u);
     EXPECT_EQ(over[0].attempts, 3);
     EXPECT_TRUE(queue.is_empty());
+}
+
+TEST(SharedFailure, IsOfTheFirstCasesAndOneCode) {
+    const auto after = [](int failures, int code, bool has_result, bool has_other) {
+        SharedFailure shared;
+        if (has_result) shared.add_result();
+        if (has_other) shared.add_failure(code + 1, "other");
+        for (int k = 0; k < failures; ++k) shared.add_failure(code, k == 0 ? "first" : "later");
+        return shared.sentence();
+    };
+    EXPECT_EQ(after(SharedFailure::enough, 4, false, false), "first");
+    EXPECT_EQ(after(SharedFailure::enough - 1, 4, false, false), std::nullopt);
+    EXPECT_EQ(after(SharedFailure::enough, 4, true, false), std::nullopt);
+    EXPECT_EQ(after(SharedFailure::enough, 4, false, true), std::nullopt);
+}
+
+TEST(ResidentMemory, IsOfAProcessAndOfWhatItHasStarted) {
+    EXPECT_EQ(resident_mb(0x7ffffff0), 0);
+    // A shell whose child holds some 60 MB.
+    const ChildProcess shell(
+        "/bin/sh",
+        {"-c", "x=$(head -c 60000000 /dev/zero | tr '\\0' x); (sleep 30; echo \"$x\") & wait"}, {});
+    double seen_mb = 0;
+    for (int tries = 0; tries < 100 && seen_mb < 100; ++tries) {
+        ::usleep(100000);
+        seen_mb = resident_mb(shell.id());
+    }
+    EXPECT_GT(seen_mb, 100);  // both hold it
 }
 
 TEST(PatientQueue, GivesWhatTookTooLongTwiceTheTimeOnce) {
