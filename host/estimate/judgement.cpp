@@ -16,7 +16,7 @@ EvidenceCase case_of(const UnknownEvidence& evidence) {
 }
 
 Verdict verdict_of_span(double span) {
-    return span > recovered_factor ? Verdict::weak : Verdict::recovered;
+    return span <= recovered_factor ? Verdict::recovered : Verdict::weak;
 }
 
 Verdict verdict_of_share(double share) {

@@ -55,7 +55,12 @@ Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& 
     const double expected = truth.options.stiffness_kpa;
     KnownModulus known{std::exp(found.theta[0]), found.interval_kpa[0],
                        std::sqrt(found.covariance(0, 0))};
-    if (truth.is_finer) known = with_model_error(known, found.unknown[0], model_sd_ln_with(0));
+    if (truth.is_finer) {
+        const double model_sd = model_sd_ln_with(0);
+        const auto mean = believed_mean(found.theta, found.covariance, found.unknown,
+                                        Eigen::VectorXd::Constant(1, model_sd));
+        known = with_model_error(known, std::exp(mean[0]), found.unknown[0].sd, model_sd);
+    }
     const auto& [kpa, interval, sd_ln] = known;
     Row row;
     row.set("truth", name_of(truth));

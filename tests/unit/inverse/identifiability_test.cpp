@@ -64,7 +64,7 @@ TEST(Identifiability, ARigidOrganHasALowerBoundOnly) {
 
 TEST(Identifiability, AnAnswerOfWhichEachHoldsTheOtherChangesNothing) {
     const ModulusEvidence evidence =
-        evidence_with({100, clear_evidence()}, {{110, other_evidence(70, 500, 0.5)}});
+        evidence_with({100, clear_evidence()}, {{110, other_evidence(70, 500, 0.5), 110}});
 
     EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 120.0}));
     EXPECT_EQ(evidence.sd_ln, 0.1);
@@ -74,7 +74,7 @@ TEST(Identifiability, AnAnswerOfWhichEachHoldsTheOtherChangesNothing) {
 
 TEST(Identifiability, ASecondAnswerIsHeldAndNamed) {
     const ModulusEvidence evidence =
-        evidence_with({100, clear_evidence()}, {{200, other_evidence(150, 300, 0.2)}});
+        evidence_with({100, clear_evidence()}, {{190, other_evidence(150, 300, 0.2), 200}});
 
     EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 300.0}));
     EXPECT_NEAR(evidence.sd_ln, std::log(300.0 / 80.0) / 3.92, 1e-12);
@@ -85,16 +85,16 @@ TEST(Identifiability, ASecondAnswerIsHeldAndNamed) {
 
 TEST(Identifiability, AnAnswerThatDoesNotHoldTheFirstIsAnotherOne) {
     const ModulusEvidence evidence =
-        evidence_with({100, clear_evidence()}, {{118, other_evidence(110, 126, 0.03)}});
+        evidence_with({100, clear_evidence()}, {{118, other_evidence(110, 126, 0.03), 121}});
 
     EXPECT_EQ(evidence.interval_kpa, (std::array{80.0, 126.0}));
-    EXPECT_EQ(evidence.other_kpa, (std::vector{118.0}));
+    EXPECT_EQ(evidence.other_kpa, (std::vector{121.0}));
 }
 
 TEST(Identifiability, AnswersAreTheSameInWhateverOrderTheyCome) {
     // The first is inside what the second one widens the interval to.
-    const ModulusAnswer near{200, other_evidence(150, 300, 0.2)},
-        far{400, other_evidence(90, 900, 0.6)};
+    const ModulusAnswer near{200, other_evidence(150, 300, 0.2), 200},
+        far{400, other_evidence(90, 900, 0.6), 400};
 
     const ModulusEvidence one = evidence_with({100, clear_evidence()}, {near, far});
     const ModulusEvidence other = evidence_with({100, clear_evidence()}, {far, near});
@@ -108,7 +108,7 @@ TEST(Identifiability, AnswersAreTheSameInWhateverOrderTheyCome) {
 
 TEST(Identifiability, AnswersThatSpanThePriorLeaveNothingIdentified) {
     const ModulusEvidence evidence =
-        evidence_with({100, clear_evidence()}, {{1500, other_evidence(500, 5000, 0.6)}});
+        evidence_with({100, clear_evidence()}, {{1400, other_evidence(500, 5000, 0.6), 1500}});
 
     const Judgement verdict = judge(evidence);
     EXPECT_EQ(verdict.verdict, Verdict::not_identifiable);

@@ -371,63 +371,66 @@ TEST(LinearisedProblem, SearchEndsWhereTheGradientVanishes) {
 
 TEST(ModelError, ModelErrorAddsInQuadratureOnBothSides) {
     const double sd = 0.2;
-    const Unknown wide_prior{0, 0, 1e6};
-    const KnownModulus told = with_model_error(
-        {80, {80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, sd}, wide_prior, model_sd_ln);
+    constexpr double wide_prior = 1e6;
+    const KnownModulus told =
+        with_model_error({80, {80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, sd}, 90,
+                         wide_prior, model_sd_ln);
 
     const double whole = std::hypot(data_sd_factor * sd, model_sd_ln);
     EXPECT_NEAR(told.sd_ln, whole, 1e-9);
-    EXPECT_NEAR(told.kpa, 80, 1e-6);
-    EXPECT_NEAR(std::log(told.interval_kpa[1] / 80), 1.96 * whole, 1e-9);
-    EXPECT_NEAR(std::log(told.interval_kpa[0] / 80), -1.96 * whole, 1e-9);
-}
-
-/// The product of two normal densities of one number: its mean and standard deviation.
-std::pair<double, double> product_of(double mean_a, double sd_a, double mean_b, double sd_b) {
-    const double a = 1 / (sd_a * sd_a), b = 1 / (sd_b * sd_b);
-    return {(a * mean_a + b * mean_b) / (a + b), 1 / std::sqrt(a + b)};
-}
-
-TEST(ModelError, WhatIsToldIsThePriorWithDataOfWhichLessIsBelieved) {
-    const Unknown prior{0, std::log(100.0), 1.2};
-    for (const double data_sd : {0.05, 0.4, 2.0})
-        for (const double model_sd : {0.12, 0.65}) {
-            const double of_data = std::log(30.0);
-            const auto [found_ln, found_sd] = product_of(of_data, data_sd, prior.mean, prior.sd);
-            const auto [told_ln, told_sd] = product_of(
-                of_data, std::hypot(data_sd_factor * data_sd, model_sd), prior.mean, prior.sd);
-
-            const KnownModulus told = with_model_error(
-                {std::exp(found_ln),
-                 {std::exp(found_ln - 1.96 * found_sd), std::exp(found_ln + 1.96 * found_sd)},
-                 found_sd},
-                prior, model_sd);
-
-            EXPECT_NEAR(std::log(told.kpa), told_ln, 1e-9) << data_sd << ' ' << model_sd;
-            EXPECT_NEAR(told.sd_ln, told_sd, 1e-9);
-            EXPECT_NEAR(std::log(told.interval_kpa[0]), told_ln - 1.96 * told_sd, 1e-9);
-            EXPECT_NEAR(std::log(told.interval_kpa[1]), told_ln + 1.96 * told_sd, 1e-9);
-        }
+    EXPECT_EQ(told.kpa, 90);
+    EXPECT_NEAR(std::log(told.interval_kpa[1] / 90), 1.96 * whole, 1e-9);
+    EXPECT_NEAR(std::log(told.interval_kpa[0] / 90), -1.96 * whole, 1e-9);
 }
 
 TEST(ModelError, EitherSideOfAnIntervalKeepsItsOwnWidth) {
-    const Unknown prior{0, std::log(100.0), 1.2};
-    const KnownModulus told = with_model_error({100, {80, 200}, 0.2}, prior, model_sd_ln);
-
-    EXPECT_NEAR(told.kpa, 100, 1e-9);
+    constexpr double prior = 1.2;
+    const KnownModulus told = with_model_error({100, {80, 200}, 0.2}, 100, prior, model_sd_ln);
     EXPECT_LT(told.interval_kpa[0], 80);
     EXPECT_GT(told.interval_kpa[1], 200);
     EXPECT_GT(told.interval_kpa[1] / 100, 1.5 * 100 / told.interval_kpa[0]);
+
+    const KnownModulus without_width = with_model_error({100, {100, 200}, 0.2}, 100, prior, 0.12);
+    EXPECT_NEAR(std::log(100 / without_width.interval_kpa[0]),
+                1.96 / std::hypot(1 / 0.12, 1 / prior), 1e-9);
+    const KnownModulus without_data = with_model_error({100, {1, 1e4}, prior}, 100, prior, 0.12);
+    EXPECT_NEAR(without_data.sd_ln, prior, 1e-12);
+    EXPECT_NEAR(std::log(without_data.interval_kpa[1] / 100), 1.96 * prior, 1e-9);
 }
 
-TEST(ModelError, WithoutDataThePriorIsTold) {
-    const Unknown prior{0, std::log(100.0), 1.2};
-    const KnownModulus told = with_model_error(
-        {100, {100 * std::exp(-1.96 * 1.2), 100 * std::exp(1.96 * 1.2)}, 1.2}, prior, model_sd_ln);
+/// The product of two normal densities: its mean and covariance.
+std::pair<Eigen::VectorXd, Eigen::MatrixXd> product_of(const Eigen::VectorXd& mean_a,
+                                                       const Eigen::MatrixXd& covariance_a,
+                                                       const Eigen::VectorXd& mean_b,
+                                                       const Eigen::MatrixXd& covariance_b) {
+    const Eigen::MatrixXd a = covariance_a.inverse(), b = covariance_b.inverse();
+    const Eigen::MatrixXd covariance = (a + b).inverse();
+    return {covariance * (a * mean_a + b * mean_b), covariance};
+}
 
-    EXPECT_NEAR(told.kpa, 100, 1e-9);
-    EXPECT_NEAR(told.sd_ln, 1.2, 1e-12);
-    EXPECT_NEAR(told.interval_kpa[1], 100 * std::exp(1.96 * 1.2), 1e-6);
+TEST(ModelError, WhatIsToldIsThePriorWithDataOfWhichLessIsBelieved) {
+    const double median = std::log(100.0);
+    const std::vector<Unknown> priors{{0, median, 1.2}, {1, median, 0.7}};
+    const Eigen::Vector2d prior_mean(median, median), of_data(std::log(20.0), std::log(400.0));
+    const Eigen::Matrix2d prior = Eigen::Vector2d(1.44, 0.49).asDiagonal();
+    for (const double model_sd : {0.12, 0.65})
+        for (const double correlation : {0.0, -0.97}) {
+            Eigen::Matrix2d data;
+            data << 0.16, correlation * 0.4 * 0.6, correlation * 0.4 * 0.6, 0.36;
+            const auto [found, covariance] = product_of(of_data, data, prior_mean, prior);
+            const Eigen::Matrix2d less = data_sd_factor * data_sd_factor * data +
+                                         model_sd * model_sd * Eigen::Matrix2d::Identity();
+            const auto [told, told_covariance] = product_of(of_data, less, prior_mean, prior);
+
+            const Eigen::VectorXd mean =
+                believed_mean(found, covariance, priors, Eigen::Vector2d::Constant(model_sd));
+
+            EXPECT_LT((mean - told).norm(), 1e-9) << model_sd << ' ' << correlation;
+            if (correlation == 0) {
+                EXPECT_NEAR(sd_ln_with_model_error(std::sqrt(covariance(0, 0)), 1.2, model_sd),
+                            std::sqrt(told_covariance(0, 0)), 1e-9);
+            }
+        }
 }
 
 TEST(ModelError, ModelErrorGrowsWithTheContours) {

@@ -68,7 +68,7 @@ ModulusEvidence evidence_with(const ModulusAnswer& found,
                               const std::vector<ModulusAnswer>& others) {
     ModulusEvidence evidence = found.evidence;
     auto& [low, high] = evidence.interval_kpa;
-    for (const auto& [kpa, other] : others) {
+    for (const auto& [kpa, other, end_kpa] : others) {
         if (holds(found.evidence, kpa) && holds(other, found.kpa)) continue;
         low = std::min(low, other.interval_kpa[0]);
         high = std::max(high, other.interval_kpa[1]);
@@ -76,7 +76,7 @@ ModulusEvidence evidence_with(const ModulusAnswer& found,
         evidence.seen_sd_ln = std::max(evidence.seen_sd_ln, other.seen_sd_ln);
         evidence.excludes_soft = evidence.excludes_soft && other.excludes_soft;
         evidence.excludes_stiff = evidence.excludes_stiff && other.excludes_stiff;
-        evidence.other_kpa.push_back(kpa);
+        evidence.other_kpa.push_back(end_kpa);
     }
     if (evidence.other_kpa.empty()) return evidence;
     std::sort(evidence.other_kpa.begin(), evidence.other_kpa.end());

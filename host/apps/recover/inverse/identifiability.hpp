@@ -22,10 +22,11 @@ struct ModulusEvidence {
     double partner_correlation = 0;
 };
 
-/// Where a search of a modulus has ended, and what is known of it there.
+/// What is known of a modulus where a search has ended.
 struct ModulusAnswer {
-    double kpa = 0;
+    double kpa = 0;  ///< to be told
     ModulusEvidence evidence;
+    double end_kpa = 0;  ///< where it has ended: the most probable modulus
 };
 
 /// What is known where searches that began elsewhere have ended too. Those of which one interval

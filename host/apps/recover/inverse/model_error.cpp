@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/recover/inverse/model_error.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -29,25 +30,42 @@ double model_sd_ln_with(double contour_mm, double mesh_change_ln) {
 }
 
 double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double model_sd) {
+    // Holds for data that tell nothing, i = 0, and everything, i = infinity.
     const double i = information(sd_ln, prior_sd_ln);
-    // 1 / (f^2 / i + model^2) = i / (f^2 + i model^2)
-    const double of_data = i / (square(data_sd_factor) + i * square(model_sd));
+    const double of_data = 1 / (square(data_sd_factor) / i + square(model_sd));
     return 1 / std::sqrt(of_data + 1 / square(prior_sd_ln));
 }
 
-KnownModulus with_model_error(const KnownModulus& found, const Unknown& prior, double model_sd) {
-    const double i = information(found.sd_ln, prior.sd);
-    const double g = (1 + square(prior.sd) * i) /
-                     (square(data_sd_factor) + i * (square(prior.sd) + square(model_sd)));
-    const double ln_kpa = prior.mean + g * (std::log(found.kpa) - prior.mean);
-    const auto half_width = [&](double half_width_found) {
-        return normal_95 * sd_ln_with_model_error(half_width_found / normal_95, prior.sd, model_sd);
+Eigen::VectorXd believed_mean(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance,
+                              const std::vector<Unknown>& priors, const Eigen::VectorXd& model_sd) {
+    const Index n = theta.size();
+    Eigen::VectorXd mean(n), precision(n);
+    for (Index k = 0; k < n; ++k) {
+        mean[k] = priors[k].mean;
+        precision[k] = 1 / square(priors[k].sd);
+    }
+    const Eigen::MatrixXd both = covariance.inverse();  // C^-1
+    Eigen::MatrixXd data = both;                        // D
+    data.diagonal() -= precision;
+    Eigen::MatrixXd left = data * model_sd.cwiseAbs2().asDiagonal();  // f^2 + D M
+    left.diagonal().array() += square(data_sd_factor);
+    // V^-1 = D (f^2 + M D)^-1 = (f^2 + D M)^-1 D
+    Eigen::MatrixXd believed = left.partialPivLu().solve(data);
+    believed.diagonal() += precision;
+    const Eigen::VectorXd pull = left.partialPivLu().solve(both * (theta - mean));
+    return mean + believed.partialPivLu().solve(pull);
+}
+
+KnownModulus with_model_error(const KnownModulus& found, double kpa, double prior_sd_ln,
+                              double model_sd) {
+    const auto factor = [&](double half_width) {
+        const double sd_ln = sd_ln_with_model_error(half_width / normal_95, prior_sd_ln, model_sd);
+        return std::exp(normal_95 * sd_ln);
     };
     const auto& [low, high] = found.interval_kpa;
-    return {std::exp(ln_kpa),
-            {std::exp(ln_kpa - half_width(std::log(found.kpa / low))),
-             std::exp(ln_kpa + half_width(std::log(high / found.kpa)))},
-            sd_ln_with_model_error(found.sd_ln, prior.sd, model_sd)};
+    return {kpa,
+            {kpa / factor(std::log(found.kpa / low)), kpa * factor(std::log(high / found.kpa))},
+            sd_ln_with_model_error(found.sd_ln, prior_sd_ln, model_sd)};
 }
 
 }  // namespace palpate

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
+#include <vector>
 
 #include "host/estimate/objective.hpp"
 
@@ -41,10 +43,17 @@ struct KnownModulus {
 ///   1/s^2 = 1 / (data_sd_factor^2 / i + model^2) + 1 / prior^2,   i = 1 / sd^2 - 1 / prior^2.
 double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double model_sd);
 
-/// What a search found, the most probable modulus, and what is to be told of it: either side of the
-/// interval as the standard deviation above, and where data that tell less leave ln E,
-///   m + g (ln E - m),   g = (1 + prior^2 i) / (data_sd_factor^2 + i (prior^2 + model^2)),
-/// m the prior's mean: the less the data tell, the more of what was assumed is believed.
-KnownModulus with_model_error(const KnownModulus& found, const Unknown& prior, double model_sd);
+/// Where data that tell less leave the moduli's ln E, which a search found at `theta` with
+/// `covariance`, each with its `model_sd` [num unknown]: the less the data tell, the more of what
+/// was assumed is believed. With m and P the priors' means and precisions, C the covariance, D =
+/// C^-1 - P what the data tell, M = diag(model^2) and f = data_sd_factor,
+///   m + (P + V^-1)^-1 (f^2 + D M)^-1 C^-1 (theta - m),   V^-1 = D (f^2 + M D)^-1.
+Eigen::VectorXd believed_mean(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance,
+                              const std::vector<Unknown>& priors, const Eigen::VectorXd& model_sd);
+
+/// What is to be told of a modulus that a search found: about `kpa`, either side of the interval as
+/// the standard deviation above.
+KnownModulus with_model_error(const KnownModulus& found, double kpa, double prior_sd_ln,
+                              double model_sd);
 
 }  // namespace palpate

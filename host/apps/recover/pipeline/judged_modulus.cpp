@@ -14,15 +14,19 @@ namespace palpate {
 namespace {
 
 /// What is known of unknown `k` where one search has ended, and is to be told, were its moduli
-/// changed by `shift_ln`. `mesh_change_ln`: what elements of no size would change of ln E.
-ModulusAnswer answer_at(const MapEstimate& estimate, Index k, double mesh_change_ln,
-                        double shift_ln = 0) {
-    KnownModulus found{std::exp(estimate.theta[k] + shift_ln), estimate.interval_kpa[k],
+/// changed by `shift_ln`. `mesh_change_ln`: what elements of no size would change of them.
+ModulusAnswer answer_at(const MapEstimate& estimate, Index k, const Eigen::VectorXd& mesh_change_ln,
+                        const Eigen::VectorXd& shift_ln) {
+    const Eigen::VectorXd theta = estimate.theta + shift_ln;
+    Eigen::VectorXd model_sd(theta.size());
+    for (Index j = 0; j < theta.size(); ++j)
+        model_sd[j] = model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change_ln[j]);
+    const double kpa =
+        std::exp(believed_mean(theta, estimate.covariance, estimate.unknown, model_sd)[k]);
+    KnownModulus found{std::exp(theta[k]), estimate.interval_kpa[k],
                        std::sqrt(estimate.covariance(k, k))};
-    for (double& end : found.interval_kpa) end *= std::exp(shift_ln);
-    const KnownModulus told =
-        with_model_error(found, estimate.unknown[k],
-                         model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change_ln));
+    for (double& end : found.interval_kpa) end *= std::exp(shift_ln[k]);
+    const KnownModulus told = with_model_error(found, kpa, estimate.unknown[k].sd, model_sd[k]);
     ModulusEvidence evidence;
     evidence.interval_kpa = told.interval_kpa;
     evidence.sd_ln = told.sd_ln;
@@ -30,7 +34,7 @@ ModulusAnswer answer_at(const MapEstimate& estimate, Index k, double mesh_change
     evidence.seen_sd_ln = estimate.seen_sd_ln[k];
     evidence.excludes_soft = estimate.excluded_ends[k][0];
     evidence.excludes_stiff = estimate.excluded_ends[k][1];
-    return {told.kpa, evidence};
+    return {told.kpa, evidence, found.kpa};
 }
 
 /// What is known of unknown `k`, other searches' ends and its strongest partner among the other
@@ -39,12 +43,13 @@ ModulusAnswer answer_at(const MapEstimate& estimate, Index k, double mesh_change
 ModulusAnswer answer_of(const MapEstimate& estimate, std::size_t k, const Settings& settings) {
     const Index row = static_cast<Index>(k);
     const Eigen::MatrixXd& covariance = estimate.covariance;
-    const double mesh_change =
-        estimate.mesh_change_ln.size() > 0 ? estimate.mesh_change_ln[row] : 0;
+    const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(estimate.theta.size());
+    const Eigen::VectorXd& mesh_change =
+        estimate.mesh_change_ln.size() > 0 ? estimate.mesh_change_ln : nothing;
     std::vector<ModulusAnswer> others;
     for (const auto& other : estimate.others)
         others.push_back(answer_at(*other, row, mesh_change, mesh_change));
-    ModulusAnswer answer = answer_at(estimate, row, mesh_change);
+    ModulusAnswer answer = answer_at(estimate, row, mesh_change, nothing);
     ModulusEvidence& evidence = answer.evidence;
     evidence = evidence_with(answer, others);
     for (Index other = 0; other < covariance.cols(); ++other) {
@@ -87,7 +92,7 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
         result.interval_kpa = {result.sd_ln, result.sd_ln};
         return tell(not_judged("nested-lbfgs"), result);
     }
-    const auto [kpa, evidence] = answer_of(estimate, k, settings);
+    const auto [kpa, evidence, end_kpa] = answer_of(estimate, k, settings);
     const Judgement verdict = judge(evidence);
     result.stiffness_kpa = kpa;
     result.interval_kpa = told_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
