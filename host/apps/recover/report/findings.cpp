@@ -81,9 +81,8 @@ std::string finding_sentence(const RecoveryResult& result, const RegionResult& r
         return fmt::format("The stiffness of {} cannot be told from these images.{}", r.name,
                            as_sentence(r.reason));
     if (const std::string bound = bound_text(r); !bound.empty())
-        return fmt::format("{}: {}. Most probable {} kPa. Verdict: {}.{}", r.name, bound,
-                           significant(r.most_probable_kpa), name_of(r.verdict),
-                           as_sentence(r.reason));
+        return fmt::format("{}: {}. In one number: {} kPa. Verdict: {}.{}", r.name, bound,
+                           significant(r.stiffness_kpa), name_of(r.verdict), as_sentence(r.reason));
     std::string text =
         fmt::format("{}: {} kPa ({})", r.name, significant(r.stiffness_kpa), interval_text(r));
     if (const RegionResult* known = reference_tissue(result))
