@@ -70,7 +70,8 @@ def _recovered_figures(report, share_of_sd=SHARE_OF_SD):
         ratio = region.get("searched_poisson_ratio")
         if ratio:
             figures[f"{name}.poisson_ratio.verdict"] = [ratio["verdict"], None]
-            figures[f"{name}.poisson_ratio.interval"] = [f"{ratio['interval'][0]:.2f} to {ratio['interval'][1]:.2f}", None]
+            for end, value in zip(("low", "high"), ratio["interval"]):
+                figures[f"{name}.poisson_ratio.{end}"] = [value, 0.01]
             if ratio["verdict"] != "not identifiable":  # in a flat valley it ends anywhere
                 figures[f"{name}.poisson_ratio"] = [ratio["value"], 0.005]
         elif isinstance(region.get("poisson_ratio"), float):

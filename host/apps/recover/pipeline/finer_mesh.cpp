@@ -26,6 +26,7 @@ using Edge = std::pair<Index, Index>;
 std::map<Edge, std::vector<VertexWeight>> wall_middles(const BodyMesh& mesh,
                                                        const Settings& settings) {
     std::map<Edge, std::vector<VertexWeight>> found;
+    std::map<Edge, int> num_walls;
     const RecoveryModel recovery = build_model(mesh, settings);
     const auto is_held = [&](const VertexWeight& part) {
         return std::binary_search(recovery.fixed.begin(), recovery.fixed.end(), part.vertex);
@@ -43,14 +44,15 @@ std::map<Edge, std::vector<VertexWeight>> wall_middles(const BodyMesh& mesh,
                 if (std::none_of(weights.begin(), weights.end(), is_held))
                     of_wall[std::minmax(wall.node_of[p], wall.node_of[q])] = std::move(weights);
             }
-        for (const auto& [edge, weights] : of_wall) {
-            const auto [place, is_new] = found.try_emplace(edge, weights);
-            if (is_new) continue;
-            // Where walls touch, the mean of both.
-            place->second.insert(place->second.end(), weights.begin(), weights.end());
-            for (VertexWeight& part : place->second) part.weight *= 0.5;
+        for (auto& [edge, weights] : of_wall) {
+            auto& all = found[edge];
+            all.insert(all.end(), weights.begin(), weights.end());
+            ++num_walls[edge];
         }
     }
+    // Where walls touch, the mean of all.
+    for (auto& [edge, weights] : found)
+        for (VertexWeight& part : weights) part.weight /= num_walls[edge];
     return found;
 }
 
