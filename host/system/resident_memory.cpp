@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/system/resident_memory.hpp"
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -13,9 +11,11 @@ namespace palpate {
 
 double resident_mb(pid_t process) {
     const std::filesystem::path folder = "/proc/" + std::to_string(process);
-    double all_pages = 0, pages = 0;
-    std::ifstream(folder / "statm") >> all_pages >> pages;
-    double mb = pages * double(::sysconf(_SC_PAGESIZE)) / 1e6;
+    // Pss: pages over how many processes have them
+    double mb = 0;
+    std::ifstream sums(folder / "smaps_rollup");
+    for (std::string line; std::getline(sums, line);)
+        if (line.starts_with("Pss:")) mb = std::stod(line.substr(4)) * 1024 / 1e6;
     // Everything below may end while it is read.
     std::error_code gone;
     for (std::filesystem::directory_iterator thread(folder / "task", gone), end;

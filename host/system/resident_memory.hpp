@@ -6,7 +6,8 @@
 
 namespace palpate {
 
-/// Resident memory of a process and of all that it has started, MB; 0 once it is gone.
+/// Resident memory of a process and of all that it has started, MB, pages that several share
+/// counted once; 0 once it is gone.
 double resident_mb(pid_t process);
 
 }  // namespace palpate

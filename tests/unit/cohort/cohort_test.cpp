@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -191,32 +193,55 @@ TEST(PatientQueue, GoesOnWithTheOthersAndThenTriesAlone) {
     EXPECT_TRUE(queue.is_empty());
 }
 
-TEST(SharedFailure, IsOfTheFirstCasesAndOneCode) {
-    const auto after = [](int failures, int code, bool has_result, bool has_other) {
+TEST(SharedFailure, IsOfSeveralPatientsAndOneCodeWhereNothingWorked) {
+    struct Run {
+        int failures = SharedFailure::enough, patients = SharedFailure::enough_patients, code = 4;
+        bool has_result = false, has_other_code = false;
+    };
+    const auto sentence_of = [](const Run& run) {
         SharedFailure shared;
-        if (has_result) shared.add_result();
-        if (has_other) shared.add_failure(code + 1, "other");
-        for (int k = 0; k < failures; ++k) shared.add_failure(code, k == 0 ? "first" : "later");
+        if (run.has_result) shared.add_result();
+        if (run.has_other_code) shared.add_failure("p", run.code + 1, "other");
+        for (int k = 0; k < run.failures; ++k)
+            shared.add_failure("p" + std::to_string(k % run.patients), run.code,
+                               k == 0 ? "first" : "later");
         return shared.sentence();
     };
-    EXPECT_EQ(after(SharedFailure::enough, 4, false, false), "first");
-    EXPECT_EQ(after(SharedFailure::enough - 1, 4, false, false), std::nullopt);
-    EXPECT_EQ(after(SharedFailure::enough, 4, true, false), std::nullopt);
-    EXPECT_EQ(after(SharedFailure::enough, 4, false, true), std::nullopt);
+    EXPECT_EQ(sentence_of({}), "first");
+    EXPECT_EQ(sentence_of({.failures = SharedFailure::enough - 1}), std::nullopt);
+    EXPECT_EQ(sentence_of({.patients = SharedFailure::enough_patients - 1}), std::nullopt);
+    EXPECT_EQ(sentence_of({.code = exit_code_of(ErrorCode::time_limit)}), std::nullopt);
+    EXPECT_EQ(sentence_of({.has_result = true}), std::nullopt);
+    EXPECT_EQ(sentence_of({.has_other_code = true}), std::nullopt);
 }
 
 TEST(ResidentMemory, IsOfAProcessAndOfWhatItHasStarted) {
     EXPECT_EQ(resident_mb(0x7ffffff0), 0);
-    // A shell whose child holds some 60 MB.
-    const ChildProcess shell(
-        "/bin/sh",
-        {"-c", "x=$(head -c 60000000 /dev/zero | tr '\\0' x); (sleep 30; echo \"$x\") & wait"}, {});
+    const double before = resident_mb(::getpid());
+    const ChildProcess shell("/bin/sh",
+                             {"-c", "x=$(head -c 60000000 /dev/zero | tr '\\0' x); sleep 30"}, {});
     double seen_mb = 0;
-    for (int tries = 0; tries < 100 && seen_mb < 100; ++tries) {
+    for (int tries = 0; tries < 100 && seen_mb < before + 50; ++tries) {
         ::usleep(100000);
-        seen_mb = resident_mb(shell.id());
+        seen_mb = resident_mb(::getpid());
     }
-    EXPECT_GT(seen_mb, 100);  // both hold it
+    EXPECT_GT(seen_mb, before + 50);
+}
+
+TEST(ResidentMemory, CountsPagesThatTwoProcessesShareOnce) {
+    const std::vector<char> held(200'000'000, 'x');
+    const double alone = resident_mb(::getpid());
+    const pid_t copy = ::fork();
+    if (copy == 0) {
+        ::pause();
+        ::_exit(int(held.size()));
+    }
+    ASSERT_GT(copy, 0);
+    const double both = resident_mb(::getpid());
+    ::kill(copy, SIGKILL);
+    ::waitpid(copy, nullptr, 0);
+    EXPECT_GT(alone, 200);
+    EXPECT_LT(both, alone + 50);
 }
 
 TEST(PatientQueue, GivesWhatTookTooLongTwiceTheTimeOnce) {
