@@ -26,6 +26,7 @@ std::size_t wanted_shards(const CohortPlan& plan) {
 }
 
 void write_engine_files(const CohortPlan& plan, const std::filesystem::path& folder) {
+    constexpr double runner_mb = 100;  // beside a patient's process
     const std::size_t shards = wanted_shards(plan);
     const int minutes = std::max(10, static_cast<int>(std::ceil(4 * plan.shard_minutes)));
     std::string lines;
@@ -39,7 +40,7 @@ void write_engine_files(const CohortPlan& plan, const std::filesystem::path& fol
                              "#SBATCH --job-name=palpate-cohort\n"
                              "#SBATCH --array=1-{0}\n"
                              "#SBATCH --cpus-per-task=1\n"
-                             "#SBATCH --mem=2G\n"
+                             "#SBATCH --mem={3:.0f}M\n"
                              "#SBATCH --time={1}\n"
                              "#SBATCH --signal=B:TERM@60\n"
                              "#SBATCH --requeue\n"
@@ -47,7 +48,7 @@ void write_engine_files(const CohortPlan& plan, const std::filesystem::path& fol
                              "#SBATCH --output=logs/slurm-%A_%a.txt\n"
                              "{2}exec palpate cohort run . --shard \"$SLURM_ARRAY_TASK_ID/{0}\" "
                              "--jobs \"${{SLURM_CPUS_PER_TASK:-1}}\" --progress none\n",
-                             shards, minutes, lines));
+                             shards, minutes, lines, plan.limits.memory_mb + runner_mb));
 }
 
 }  // namespace palpate

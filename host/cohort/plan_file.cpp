@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -83,7 +84,7 @@ PlanHead head_of(const nlohmann::ordered_json& json) {
     head.shard_minutes = json.at("shard_minutes");
     const Json& limits = json.at("limits");
     head.limits = {limits.at("target_s"), limits.at("attempts"),
-                   limits.value("memory_mb", head.limits.memory_mb)};
+                   limits.value("memory_mb", HUGE_VAL)};
     head.slurm_lines = json.at("slurm");
     head.num_bad_rows = json.at("bad_rows_left_out");
     if (json.contains("test_stub_s")) head.test_stub_s = json["test_stub_s"].get<double>();

@@ -134,6 +134,8 @@ private:
         run_.done += status == CaseStatus::done;
         run_.not_converged += status == CaseStatus::not_converged;
         run_.failed += status == CaseStatus::failed;
+        if (status == CaseStatus::done || status == CaseStatus::not_converged)
+            shared_failure_.add_result();
     }
 
     std::size_t num_over() const { return run_.done + run_.not_converged + run_.failed; }
@@ -283,7 +285,6 @@ private:
         work.queue.done(record.case_id);
         work.current.clear();
         device_failures_ = 0;
-        shared_failure_.add_result();
         write_held_back();
         tell(*work.patient, record.case_id, record.converged ? 0 : exit_code_not_converged, "");
     }
@@ -322,7 +323,7 @@ private:
             replace_text(file, failure_text({c.key, failure.sentence, host_name(), log,
                                              failure.code, failure.attempts}));
             count(patient, c, CaseStatus::failed);
-            shared_failure_.add_failure(failure.code, failure.sentence);
+            shared_failure_.add_failure(patient.id, failure.code, failure.sentence);
         }
         tell(patient, failure.case_id, failure.code, failure.sentence);
     }
@@ -416,10 +417,11 @@ private:
     void stop_if_all_fail() {
         const auto sentence = shared_failure_.sentence();
         if (!sentence || options_.keep_going) return;
-        stop_with(ErrorCode::cancelled,
-                  fmt::format("the first {} cases failed alike, so the others stay waiting: {}; "
-                              "mend it and run again with --retry-failed, or --keep-going",
-                              SharedFailure::enough, *sentence));
+        stop_with(
+            ErrorCode::cancelled,
+            fmt::format("{} cases failed alike and none worked, so the others stay waiting: {}; "
+                        "mend it and run again (--retry-failed for these), or --keep-going",
+                        SharedFailure::enough, *sentence));
     }
 
     const CohortRunOptions& options_;

@@ -142,7 +142,8 @@ void add_run(CLI::App& app, Run& run) {
         ->capture_default_str();
     command->add_option("--only", a->only, "These participants, not all")->type_name("ID");
     command->add_flag("--retry-failed", a->retry_failed, "Also cases that failed for good");
-    command->add_flag("--keep-going", a->keep_going, "Even if the first 20 cases fail alike");
+    command->add_flag("--keep-going", a->keep_going,
+                      "Even if 20 cases fail alike before one works");
     command->add_option("--progress", a->progress, "bar, json (a line a case) or none")
         ->check(CLI::IsMember({"bar", "json", "none"}))
         ->capture_default_str();

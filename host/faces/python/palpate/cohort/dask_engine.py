@@ -50,7 +50,7 @@ def run_shard(program: str, cohort: str, number: int, count: int) -> tuple[int, 
 
     from distributed import get_worker
 
-    command = [program, "cohort", "run", cohort, "--shard", f"{number}/{count}", "--progress", "none"]
+    command = [program, "cohort", "run", cohort, "--shard", f"{number}/{count}", "--progress", "none", "--keep-going"]
     # It may not outlive the thread that started it, and its children not it: else a killed worker's cases go on unseen.
     if shutil.which("setpriv"):
         command = ["setpriv", "--pdeathsig", "TERM", *command]
