@@ -36,10 +36,9 @@ namespace fs = std::filesystem;
 namespace {
 
 using Clock = PatientInWork::Clock;
-constexpr int tick_ms = 100;
+constexpr int tick_ms = 100, most_device_failures = 3;  // of different patients in a row
 constexpr double seconds_to_unwind = 2, seconds_between_claims = 0.5, seconds_between_looks = 0.25;
 constexpr double least_free_bytes = 64e6;
-constexpr int most_device_failures = 3;  // of different patients in a row
 
 double seconds_since(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
@@ -134,8 +133,7 @@ private:
         run_.done += status == CaseStatus::done;
         run_.not_converged += status == CaseStatus::not_converged;
         run_.failed += status == CaseStatus::failed;
-        if (status == CaseStatus::done || status == CaseStatus::not_converged)
-            shared_failure_.add_result();
+        if (run_.done + run_.not_converged > 0) shared_failure_.add_result();
     }
 
     std::size_t num_over() const { return run_.done + run_.not_converged + run_.failed; }
@@ -415,12 +413,12 @@ private:
     }
 
     void stop_if_all_fail() {
-        const auto sentence = shared_failure_.sentence();
-        if (!sentence || options_.keep_going) return;
+        const auto sentence = options_.keep_going ? std::nullopt : shared_failure_.sentence();
+        if (!sentence) return;
         stop_with(
             ErrorCode::cancelled,
             fmt::format("{} cases failed alike and none worked, so the others stay waiting: {}; "
-                        "mend it and run again (--retry-failed for these), or --keep-going",
+                        "mend it and run again (these with --retry-failed), or --keep-going",
                         SharedFailure::enough, *sentence));
     }
 

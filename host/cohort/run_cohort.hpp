@@ -34,11 +34,10 @@ struct CohortRun {
 
 /// Runs what is missing of a shard, a process for each patient. Safe to be ended in any way and
 /// started again, also by several at a time. Returns when nothing of the shard waits any more, done
-/// here or elsewhere. Throws Error(invalid_argument) for a
-/// participant that the plan has not, Error(cancelled) at a signal or when cases of all patients
-/// fail alike, Error(output_failed) when the disk is full, Error(device_failed) when three patients
-/// in a row found no device; what was in work then stays waiting. To be called from the main
-/// thread.
+/// here or elsewhere. Throws Error(invalid_argument) for a participant that the plan has not,
+/// Error(cancelled) at a signal or when cases fail alike (SharedFailure), Error(output_failed) when
+/// the disk is full, Error(device_failed) when three patients in a row found no device; what was in
+/// work then stays waiting. To be called from the main thread.
 CohortRun run_cohort(const CohortRunOptions& options, const ProgressSink& progress);
 
 }  // namespace palpate

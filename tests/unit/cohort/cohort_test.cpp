@@ -203,7 +203,7 @@ TEST(SharedFailure, IsOfSeveralPatientsAndOneCodeWhereNothingWorked) {
         if (run.has_result) shared.add_result();
         if (run.has_other_code) shared.add_failure("p", run.code + 1, "other");
         for (int k = 0; k < run.failures; ++k)
-            shared.add_failure("p" + std::to_string(k % run.patients), run.code,
+            shared.add_failure(std::string(1, char('a' + k % run.patients)), run.code,
                                k == 0 ? "first" : "later");
         return shared.sentence();
     };
