@@ -368,7 +368,7 @@ private:
             work.passed_limit = fmt::format("it took longer than {:g} s", work.limit_s);
             work.asked_to_end = Clock::now();
             work.child->signal_group(SIGTERM);
-        } else if (work.child->memory_mb() > most_mb) {
+        } else if (work.child->holds_more_than(most_mb)) {
             work.passed_limit = fmt::format("it needed more than {:g} MB of memory", most_mb);
             work.child->signal_group(SIGKILL);  // before the machine does so to another
         }

@@ -33,7 +33,9 @@ public:
     std::optional<ChildEnd> ended() { return process_.ended(); }
     void signal_group(int signal) const { process_.signal_group(signal); }
     /// Of it and of what it has started; 0 once it was told to have ended.
-    double memory_mb() const { return process_.id() > 0 ? resident_mb(process_.id()) : 0; }
+    bool holds_more_than(double mb) const {
+        return process_.id() > 0 && palpate::holds_more_than(process_.id(), mb);
+    }
 
 private:
     ChildProcess process_;

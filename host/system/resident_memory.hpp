@@ -10,4 +10,8 @@ namespace palpate {
 /// counted once; 0 once it is gone.
 double resident_mb(pid_t process);
 
+/// Whether resident_mb is above `mb`. That takes 20 ms for a process of 1 GB, so what costs
+/// nothing, shared pages counted for each, is looked at first.
+bool holds_more_than(pid_t process, double mb);
+
 }  // namespace palpate

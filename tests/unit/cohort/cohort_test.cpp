@@ -226,6 +226,8 @@ TEST(ResidentMemory, IsOfAProcessAndOfWhatItHasStarted) {
         seen_mb = resident_mb(::getpid());
     }
     EXPECT_GT(seen_mb, before + 50);
+    EXPECT_TRUE(holds_more_than(::getpid(), before + 50));
+    EXPECT_FALSE(holds_more_than(::getpid(), seen_mb + 1000));
 }
 
 TEST(ResidentMemory, CountsPagesThatTwoProcessesShareOnce) {
@@ -238,10 +240,13 @@ TEST(ResidentMemory, CountsPagesThatTwoProcessesShareOnce) {
     }
     ASSERT_GT(copy, 0);
     const double both = resident_mb(::getpid());
+    const bool shared_too = holds_more_than(::getpid(), alone + 50);
     ::kill(copy, SIGKILL);
     ::waitpid(copy, nullptr, 0);
     EXPECT_GT(alone, 200);
     EXPECT_LT(both, alone + 50);
+    // Of pages counted for each process there are more.
+    EXPECT_FALSE(shared_too);
 }
 
 TEST(PatientQueue, GivesWhatTookTooLongTwiceTheTimeOnce) {
