@@ -26,7 +26,6 @@ PlotAxis axis_over(const std::vector<IntervalBar>& bars, const std::string& labe
 }
 
 std::string bar_svg(const IntervalBar& bar, double y, const std::function<double(double)>& x_of) {
-    const double x = x_of(bar.value);
     std::string out =
         fmt::format("<text class='name' x='0' y='{:.1f}'>{}</text>", y + 4, escape_html(bar.name));
     if (bar.interval)
@@ -34,6 +33,8 @@ std::string bar_svg(const IntervalBar& bar, double y, const std::function<double
             "<path class='whisker' style='stroke:{0}' d='M{1:.1f} {2:.1f}H{3:.1f}"
             "M{1:.1f} {4:.1f}v10M{3:.1f} {4:.1f}v10'/>",
             bar.colour, x_of(bar.interval->first), y, x_of(bar.interval->second), y - 5);
+    if (!std::isfinite(bar.value)) return out;
+    const double x = x_of(bar.value);
     if (bar.is_given)
         return out +
                fmt::format("<path class='given' d='M{:.1f} {:.1f}l5.5 5.5 -5.5 5.5 -5.5 -5.5z'/>",

@@ -12,7 +12,7 @@ namespace palpate {
 /// A line of an interval chart: an estimate with its interval, or a given value.
 struct IntervalBar {
     std::string name;
-    double value = 0;                                   ///< positive
+    double value = 0;  ///< positive, or NaN: an interval alone, without a dot
     std::optional<std::pair<double, double>> interval;  ///< positive, lower end first
     std::string colour;                                 ///< as CSS
     bool is_given = false;                              ///< drawn as a diamond

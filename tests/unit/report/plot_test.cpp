@@ -52,6 +52,21 @@ TEST(ReportPlots, DrawOneProfileForEachUnknownModulus) {
     EXPECT_NE(figures.find("83.2 kPa"), std::string::npos);
 }
 
+TEST(ReportPlots, DrawNoNumberOfAModulusThatCannotBeTold) {
+    RecoveryResult r = synthetic_result();
+    const std::string told = interval_figure(r);
+    for (RegionResult& region : r.regions)
+        if (region.unknown) region.verdict = Verdict::not_identifiable;
+
+    const std::string intervals = interval_figure(r), profiles = profile_figures(r);
+
+    EXPECT_NE(told.find("<circle"), std::string::npos) << told;
+    EXPECT_EQ(intervals.find("<circle"), std::string::npos) << intervals;
+    EXPECT_NE(intervals.find("class='whisker'"), std::string::npos) << intervals;
+    EXPECT_EQ(profiles.find("83.2 kPa"), std::string::npos) << profiles;
+    EXPECT_NE(profiles.find("Shade: the 95 % interval, for which"), std::string::npos) << profiles;
+}
+
 TEST(ReportPlots, SurviveNumbersThatAreNotFinite) {
     RecoveryResult r = synthetic_result();
     r.regions[1].stiffness_kpa = NAN;

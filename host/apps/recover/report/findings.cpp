@@ -51,6 +51,8 @@ std::string region_colour(const RecoveryResult& result, Index region) {
     return neutral_colour;
 }
 
+bool is_known(const RegionResult& region) { return region.verdict != Verdict::not_identifiable; }
+
 double total_seconds(const RecoveryResult& result) {
     double total = 0;
     for (const auto& [stage, seconds] : result.timings_s)

@@ -15,6 +15,8 @@ std::string region_name(const RecoveryResult& result, Index region);
 /// The colour of a region in every picture, "#rrggbb", told apart by colour-blind readers; fixed
 /// organs are grey.
 std::string region_colour(const RecoveryResult& result, Index region);
+/// Whether there is a modulus to tell, given or found.
+bool is_known(const RegionResult& region);
 /// Sum of the stages.
 double total_seconds(const RecoveryResult& result);
 /// How the known tissue is called to which an unknown modulus is compared; null if there is none.

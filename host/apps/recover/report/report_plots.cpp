@@ -61,18 +61,21 @@ std::string profile_figure(const RecoveryResult& result, const ProfileResult& p)
     const std::string colour = region_colour(result, p.region);
     Plot plot(fmt::format("profile-{}", p.region), 420, 260, stiffness_axis(x, 1.0),
               {0, std::clamp(1.05 * y.high, 2.5, 8.0), false, "objective above its minimum"});
-    if (const RegionResult* r = find_region(result, p.region)) {
-        if (has_interval(*r)) plot.band(r->interval_kpa[0], r->interval_kpa[1], colour);
+    const RegionResult* r = find_region(result, p.region);
+    const bool has_number = r && is_known(*r);
+    if (r && has_interval(*r)) plot.band(r->interval_kpa[0], r->interval_kpa[1], colour);
+    if (has_number)
         plot.vertical_rule(r->stiffness_kpa, significant(r->stiffness_kpa) + " kPa", colour);
-    }
     plot.horizontal_rule(objective_at_95_percent, "1.92: 95 %");
     plot.curve(p.stiffness_kpa, p.objective, colour, true);
-    return figure(
-        plot.svg("Profile of the objective over the modulus of " + name),
-        name +
-            ": objective over E, everything else fitted again, lowest at the most probable E. "
-            "Line and shade: the modulus that is told and its 95 % interval, for which the "
-            "images are believed less than the curve does.");
+    const char* shade = has_number
+                            ? "Line and shade: the modulus that is told and its 95 % interval"
+                            : "Shade: the 95 % interval";
+    return figure(plot.svg("Profile of the objective over the modulus of " + name),
+                  fmt::format("{}: objective over E, everything else fitted again, lowest at the "
+                              "most probable E. {}, for which the images are believed less than "
+                              "the curve does.",
+                              name, shade));
 }
 
 std::string objective_figure(const std::vector<IterationRecord>& records) {
@@ -133,14 +136,16 @@ std::string interval_figure(const RecoveryResult& result) {
     std::vector<IntervalBar> bars;
     for (const RegionResult& r : result.regions) {
         if (!shown_in_intervals(r)) continue;
-        IntervalBar bar{r.name, r.stiffness_kpa, {}, region_colour(result, r.region), !r.unknown};
+        const double told = is_known(r) ? r.stiffness_kpa : NAN;
+        IntervalBar bar{r.name, told, {}, region_colour(result, r.region), !r.unknown};
         if (has_interval(r)) bar.interval = {r.interval_kpa[0], r.interval_kpa[1]};
         bars.push_back(std::move(bar));
     }
     if (bars.empty()) return "";
     return figure(
         interval_chart(bars, "Young's modulus E, kPa", "Moduli with their 95 % intervals"),
-        "Dots: estimates with 95 % interval. Diamonds: given values.");
+        "Dots: estimates with 95 % interval, which has no dot where nothing can be told. Diamonds: "
+        "given values.");
 }
 
 std::string profile_figures(const RecoveryResult& result) {

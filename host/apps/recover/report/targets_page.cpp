@@ -25,8 +25,6 @@ const TargetRow* joint_of(const std::vector<TargetRow>& rows) {
     return nullptr;
 }
 
-bool is_known(const RegionResult& region) { return region.verdict != Verdict::not_identifiable; }
-
 /// Regions in the order in which rows name them first.
 std::vector<std::string> region_names(const std::vector<TargetRow>& rows) {
     std::vector<std::string> names;
@@ -49,7 +47,7 @@ std::string chart_of(const std::vector<TargetRow>& rows, const std::string& name
         const RegionResult* region = find_region(row, name);
         if (!region || !(region->interval_kpa[0] > 0)) continue;
         const auto& [low, high] = region->interval_kpa;
-        bars.push_back({row.name, is_known(*region) ? region->stiffness_kpa : std::sqrt(low * high),
+        bars.push_back({row.name, is_known(*region) ? region->stiffness_kpa : NAN,
                         std::pair{low, high},
                         is_joint(row)       ? "var(--accent)"
                         : is_known(*region) ? "var(--soft)"
