@@ -47,6 +47,23 @@ TEST(Identifiability, AnOrganThatStandsStillIsNotIdentifiableHoweverSteepItsPost
     EXPECT_TRUE(says(verdict, "1.19 against 1.20")) << verdict.reason;
 }
 
+TEST(Identifiability, ImagesThatContradictWhatWasAssumedSaySo) {
+    ModulusEvidence evidence = clear_evidence();
+    evidence.misled_probability = 0.4;
+    const Judgement sharp = judge(evidence);
+    EXPECT_EQ(sharp.verdict, Verdict::weak);
+    EXPECT_TRUE(says(sharp, "a probability of 40 %")) << sharp.reason;
+
+    evidence.sd_ln = 1.1;
+    evidence.interval_kpa = {30, 14000};
+    const Judgement wide = judge(evidence);
+    EXPECT_EQ(wide.verdict, Verdict::not_identifiable);
+    EXPECT_FALSE(says(wide, "does not deform enough")) << wide.reason;
+    const auto [low, high] = told_interval(evidence, wide, 100);
+    EXPECT_NEAR(low, 100 * std::exp(-1.96 * evidence.prior_sd_ln), 1e-9);
+    EXPECT_EQ(high, 14000);
+}
+
 TEST(Identifiability, ARigidOrganHasALowerBoundOnly) {
     ModulusEvidence evidence = clear_evidence();
     evidence.interval_kpa = {1350, 2500};

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <random>
 
-#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/estimate/quasi_newton.hpp"
 #include "tests/fixtures/small_problem.hpp"
 
@@ -367,84 +366,6 @@ TEST(LinearisedProblem, SearchEndsWhereTheGradientVanishes) {
                       problem.evaluate(found.theta, false).objective);
         }
     }
-}
-
-TEST(ModelError, ModelErrorAddsInQuadratureOnBothSides) {
-    const double sd = 0.2;
-    constexpr double wide_prior = 1e6;
-    const KnownModulus told =
-        with_model_error({80, {80 * std::exp(-1.96 * sd), 80 * std::exp(1.96 * sd)}, sd}, 90,
-                         wide_prior, model_sd_ln);
-
-    const double whole = std::hypot(data_sd_factor * sd, model_sd_ln);
-    EXPECT_NEAR(told.sd_ln, whole, 1e-9);
-    EXPECT_EQ(told.kpa, 90);
-    EXPECT_NEAR(std::log(told.interval_kpa[1] / 90), 1.96 * whole, 1e-9);
-    EXPECT_NEAR(std::log(told.interval_kpa[0] / 90), -1.96 * whole, 1e-9);
-}
-
-TEST(ModelError, EitherSideOfAnIntervalKeepsItsOwnWidth) {
-    constexpr double prior = 1.2;
-    const KnownModulus told = with_model_error({100, {80, 200}, 0.2}, 100, prior, model_sd_ln);
-    EXPECT_LT(told.interval_kpa[0], 80);
-    EXPECT_GT(told.interval_kpa[1], 200);
-    EXPECT_GT(told.interval_kpa[1] / 100, 1.5 * 100 / told.interval_kpa[0]);
-
-    const KnownModulus without_width = with_model_error({100, {100, 200}, 0.2}, 100, prior, 0.12);
-    EXPECT_NEAR(std::log(100 / without_width.interval_kpa[0]),
-                1.96 / std::hypot(1 / 0.12, 1 / prior), 1e-9);
-    const KnownModulus without_data = with_model_error({100, {1, 1e4}, prior}, 100, prior, 0.12);
-    EXPECT_NEAR(without_data.sd_ln, prior, 1e-12);
-    EXPECT_NEAR(std::log(without_data.interval_kpa[1] / 100), 1.96 * prior, 1e-9);
-}
-
-/// The product of two normal densities: its mean and covariance.
-std::pair<Eigen::VectorXd, Eigen::MatrixXd> product_of(const Eigen::VectorXd& mean_a,
-                                                       const Eigen::MatrixXd& covariance_a,
-                                                       const Eigen::VectorXd& mean_b,
-                                                       const Eigen::MatrixXd& covariance_b) {
-    const Eigen::MatrixXd a = covariance_a.inverse(), b = covariance_b.inverse();
-    const Eigen::MatrixXd covariance = (a + b).inverse();
-    return {covariance * (a * mean_a + b * mean_b), covariance};
-}
-
-TEST(ModelError, WhatIsToldIsThePriorWithDataOfWhichLessIsBelieved) {
-    const double median = std::log(100.0);
-    const std::vector<Unknown> priors{{0, median, 1.2}, {1, median, 0.7}};
-    const Eigen::Vector2d prior_mean(median, median), of_data(std::log(20.0), std::log(400.0));
-    const Eigen::Matrix2d prior = Eigen::Vector2d(1.44, 0.49).asDiagonal();
-    for (const double model_sd : {0.12, 0.65})
-        for (const double correlation : {0.0, -0.97}) {
-            Eigen::Matrix2d data;
-            data << 0.16, correlation * 0.4 * 0.6, correlation * 0.4 * 0.6, 0.36;
-            const auto [found, covariance] = product_of(of_data, data, prior_mean, prior);
-            const Eigen::Matrix2d less = data_sd_factor * data_sd_factor * data +
-                                         model_sd * model_sd * Eigen::Matrix2d::Identity();
-            const auto [told, told_covariance] = product_of(of_data, less, prior_mean, prior);
-
-            const Eigen::VectorXd mean =
-                believed_mean(found, covariance, priors, Eigen::Vector2d::Constant(model_sd));
-
-            EXPECT_LT((mean - told).norm(), 1e-9) << model_sd << ' ' << correlation;
-            if (correlation == 0) {
-                EXPECT_NEAR(sd_ln_with_model_error(std::sqrt(covariance(0, 0)), 1.2, model_sd),
-                            std::sqrt(told_covariance(0, 0)), 1e-9);
-            }
-        }
-}
-
-TEST(ModelError, ModelErrorGrowsWithTheContours) {
-    EXPECT_DOUBLE_EQ(model_sd_ln_with(0), model_sd_ln);
-    const double half_a_millimetre_each = 0.5 * std::sqrt(2.0);
-    EXPECT_NEAR(model_sd_ln_with(half_a_millimetre_each),
-                std::hypot(model_sd_ln, 0.5 * model_sd_ln_per_contour_mm), 1e-12);
-    EXPECT_DOUBLE_EQ(model_sd_ln_with(50), most_model_sd_ln);
-}
-
-TEST(ModelError, ModelErrorGrowsWithWhatTheMeshChanged) {
-    for (const double change : {-0.3, 0.3})
-        EXPECT_NEAR(model_sd_ln_with(0, change), std::hypot(model_sd_ln, 0.15), 1e-12);
-    EXPECT_GT(model_sd_ln_with(50, 0.3), most_model_sd_ln);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/apps/recover/inverse/model_error.hpp"
+
 namespace palpate {
 
 namespace {
@@ -14,6 +16,18 @@ namespace {
 UnknownEvidence general_evidence(const ModulusEvidence& evidence) {
     return {evidence.sd_ln, evidence.prior_sd_ln, evidence.seen_sd_ln, evidence.excludes_soft,
             evidence.excludes_stiff};
+}
+
+bool contradicts(const ModulusEvidence& evidence) {
+    return evidence.misled_probability >= contradiction_probability;
+}
+
+std::string contradiction_text(const ModulusEvidence& evidence) {
+    return fmt::format(
+        "the images say what was hardly expected beforehand, and with a probability of {:.0f} % "
+        "something else than stiffness has moved the contours: look at the distances after the "
+        "search, and at [prior] stiffness_median_ratio and stiffness_sd_ln",
+        100 * evidence.misled_probability);
 }
 
 /// What else there is to know of a modulus.
@@ -25,6 +39,7 @@ std::string further_text(const ModulusEvidence& evidence) {
         others = fmt::format(
             "; there is more than one answer: searches that began elsewhere ended at {} kPa",
             others);
+    if (contradicts(evidence)) others += "; " + contradiction_text(evidence);
     if (std::abs(evidence.partner_correlation) <= strong_correlation) return others;
     return others +
            fmt::format(
@@ -35,7 +50,11 @@ std::string further_text(const ModulusEvidence& evidence) {
 
 Judgement judge_unseen(const ModulusEvidence& evidence) {
     const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
-    const char* why = evidence.other_kpa.empty()
+    if (left > evidence.prior_sd_ln && contradicts(evidence))
+        return {
+            Verdict::not_identifiable,
+            "no interval is narrower than what was assumed beforehand" + further_text(evidence)};
+    const char* why = evidence.other_kpa.empty() && !contradicts(evidence)
                           ? ": the organ does not deform enough relative to its surroundings"
                           : "";
     return {Verdict::not_identifiable,
@@ -74,6 +93,8 @@ ModulusEvidence evidence_with(const ModulusAnswer& found,
         high = std::max(high, other.interval_kpa[1]);
         evidence.sd_ln = std::max(evidence.sd_ln, other.sd_ln);
         evidence.seen_sd_ln = std::max(evidence.seen_sd_ln, other.seen_sd_ln);
+        evidence.misled_probability =
+            std::max(evidence.misled_probability, other.misled_probability);
         evidence.excludes_soft = evidence.excludes_soft && other.excludes_soft;
         evidence.excludes_stiff = evidence.excludes_stiff && other.excludes_stiff;
         evidence.other_kpa.push_back(end_kpa);
@@ -91,7 +112,7 @@ Judgement judge(const ModulusEvidence& evidence) {
     if (which == EvidenceCase::unseen) return judge_unseen(evidence);
     if (which != EvidenceCase::bounded) return judge_one_sided(evidence, which);
     const double span = evidence.interval_kpa[1] / evidence.interval_kpa[0];
-    const Verdict verdict = verdict_of_span(span);
+    const Verdict verdict = contradicts(evidence) ? Verdict::weak : verdict_of_span(span);
     const int digits = verdict == Verdict::weak ? 1 : 2;
     return {verdict, fmt::format("the 95 % interval spans a factor of {:.{}f}{}", span, digits,
                                  further_text(evidence))};
@@ -99,8 +120,11 @@ Judgement judge(const ModulusEvidence& evidence) {
 
 std::array<double, 2> told_interval(const ModulusEvidence& evidence, const Judgement& judgement,
                                     double median_kpa) {
-    return told_interval(evidence.interval_kpa, prior_interval(median_kpa, evidence.prior_sd_ln),
-                         general_evidence(evidence), judgement.verdict);
+    const std::array<double, 2> prior = prior_interval(median_kpa, evidence.prior_sd_ln);
+    const std::array<double, 2>& found = evidence.interval_kpa;
+    if (judgement.verdict == Verdict::not_identifiable && contradicts(evidence))
+        return {std::min(found[0], prior[0]), std::max(found[1], prior[1])};
+    return told_interval(found, prior, general_evidence(evidence), judgement.verdict);
 }
 
 std::array<double, 2> RatioEvidence::interval() const {

@@ -17,6 +17,7 @@ struct ModulusEvidence {
     double sd_ln = 0, prior_sd_ln = 1;         ///< posterior and prior standard deviation of ln E
     double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (posterior.hpp)
     bool excludes_soft = true, excludes_stiff = true;  ///< whether data without prior bound it
+    double misled_probability = 0;                     ///< that data mislead (model_error.hpp)
     std::vector<double> other_kpa;  ///< answers of searches that began elsewhere, ascending
     std::string partner;            ///< the organ whose modulus correlates most; may be empty
     double partner_correlation = 0;
@@ -35,13 +36,13 @@ struct ModulusAnswer {
 ModulusEvidence evidence_with(const ModulusAnswer& found, const std::vector<ModulusAnswer>& others);
 
 /// A modulus is *recovered* if its 95 % interval spans at most a factor of 2 and the images bound
-/// it on both sides, *weak* if not, *not identifiable* if the data, or the motion that they show,
-/// narrow the prior by less than a third (method.md section 5).
+/// it on both sides and agree with what was assumed, *weak* if not, *not identifiable* if the data,
+/// or the motion that they show, narrow the prior by less than a third (method.md section 5).
 Judgement judge(const ModulusEvidence& evidence);
 
 /// The interval to tell of a modulus whose prior has this median: the prior's if it is not
-/// identifiable, else what was found, where an end that the images do not give is at least the
-/// prior's.
+/// identifiable, with what was found where the two contradict each other; else what was found,
+/// where an end that the images do not give is at least the prior's.
 std::array<double, 2> told_interval(const ModulusEvidence& evidence, const Judgement& judgement,
                                     double median_kpa);
 

@@ -4,6 +4,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +20,33 @@ double square(double x) { return x * x; }
 /// What the data tell of ln E, 1 / its variance.
 double information(double sd_ln, double prior_sd_ln) {
     return std::max(0.0, 1 / square(sd_ln) - 1 / square(prior_sd_ln));
+}
+
+double density(double x, double mean, double variance) {
+    return boost::math::pdf(boost::math::normal(mean, std::sqrt(variance)), x);
+}
+
+/// A normal distribution whose two sides may differ; half of it lies on either.
+struct Sides {
+    double mean = 0, sd_below = 1, sd_above = 1;
+    double below(double x) const {
+        return boost::math::cdf(boost::math::normal(mean, x < mean ? sd_below : sd_above), x);
+    }
+};
+
+/// Where `probability` of (1 - w) `usual` + w `misled` lies below.
+double quantile(const Sides& usual, const Sides& misled, double w, double probability) {
+    const auto excess = [&](double x) {
+        return (1 - w) * usual.below(x) + w * misled.below(x) - probability;
+    };
+    const auto farthest = [&](const Sides& part) {
+        return 10 * std::max(part.sd_below, part.sd_above);
+    };
+    const double low = std::min(usual.mean - farthest(usual), misled.mean - farthest(misled));
+    const double high = std::max(usual.mean + farthest(usual), misled.mean + farthest(misled));
+    const auto [below, above] = boost::math::tools::bisect(
+        excess, low, high, boost::math::tools::eps_tolerance<double>(40));
+    return (below + above) / 2;
 }
 
 }  // namespace
@@ -66,6 +95,37 @@ KnownModulus with_model_error(const KnownModulus& found, double kpa, double prio
     return {kpa,
             {kpa / factor(std::log(found.kpa / low)), kpa * factor(std::log(high / found.kpa))},
             sd_ln_with_model_error(found.sd_ln, prior_sd_ln, model_sd)};
+}
+
+DoubtedModulus with_misled_data(const KnownModulus& found, const Unknown& prior) {
+    const double prior_variance = square(prior.sd);
+    const double precision = 1 / square(found.sd_ln);
+    const double of_data = precision - 1 / prior_variance;  // 1/v
+    if (!(of_data > 0)) return {found, 0};
+    const double ln_kpa = std::log(found.kpa);
+    const double data = (precision * ln_kpa - prior.mean / prior_variance) / of_data;  // d
+
+    // w = e N_k(d) / (e N_k(d) + (1 - e) N_1(d))
+    const double v = 1 / of_data, misled_v = square(misled_sd_factor) * v;
+    const double if_misled = misled_share * density(data, prior.mean, prior_variance + misled_v);
+    const double if_not = (1 - misled_share) * density(data, prior.mean, prior_variance + v);
+    const double w = if_misled / (if_misled + if_not);
+    if (!(w > 0)) return {found, 0};
+
+    const double misled_sd = 1 / std::sqrt(1 / prior_variance + 1 / misled_v);
+    const double misled_mean = square(misled_sd) * (prior.mean / prior_variance + data / misled_v);
+    const Sides usual{ln_kpa, std::log(found.kpa / found.interval_kpa[0]) / normal_95,
+                      std::log(found.interval_kpa[1] / found.kpa) / normal_95};
+    const Sides misled{misled_mean, misled_sd, misled_sd};
+    const double mean = (1 - w) * ln_kpa + w * misled_mean;
+    const double variance = (1 - w) * square(found.sd_ln) + w * square(misled_sd) +
+                            w * (1 - w) * square(misled_mean - ln_kpa);
+    const double tail = 0.025;
+    return {{std::exp(mean),
+             {std::exp(quantile(usual, misled, w, tail)),
+              std::exp(quantile(usual, misled, w, 1 - tail))},
+             std::sqrt(variance)},
+            w};
 }
 
 }  // namespace palpate

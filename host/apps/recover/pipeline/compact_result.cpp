@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '6', '\n'};
+constexpr FileMark facts_mark{'P', 'A', 'L', 'F', 'C', 'T', '7', '\n'};
 constexpr FileMark body_mark{'P', 'A', 'L', 'B', 'D', 'Y', '1', '\n'};
 
 [[noreturn]] void refuse_bytes(const std::string& why) {
@@ -41,7 +41,7 @@ void visit_regions(Stream& stream, Regions& regions) {
             within(ratio.interval, ratio.verdict, ratio.reason);
         });
         inner(r.jacobian_range, r.strain_energy_mj, r.seen_ends[0], r.seen_ends[1],
-              r.other_answers_kpa);
+              r.other_answers_kpa, r.misled_probability);
     });
 }
 

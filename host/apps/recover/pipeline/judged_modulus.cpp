@@ -26,8 +26,10 @@ ModulusAnswer answer_at(const MapEstimate& estimate, Index k, const Eigen::Vecto
     KnownModulus found{std::exp(theta[k]), estimate.interval_kpa[k],
                        std::sqrt(estimate.covariance(k, k))};
     for (double& end : found.interval_kpa) end *= std::exp(shift_ln[k]);
-    const KnownModulus told = with_model_error(found, kpa, estimate.unknown[k].sd, model_sd[k]);
+    const auto [told, misled_probability] = with_misled_data(
+        with_model_error(found, kpa, estimate.unknown[k].sd, model_sd[k]), estimate.unknown[k]);
     ModulusEvidence evidence;
+    evidence.misled_probability = misled_probability;
     evidence.interval_kpa = told.interval_kpa;
     evidence.sd_ln = told.sd_ln;
     evidence.prior_sd_ln = estimate.unknown[k].sd;
@@ -99,6 +101,7 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
     const bool is_told = verdict.verdict != Verdict::not_identifiable;
     result.seen_ends = {is_told && evidence.excludes_soft, is_told && evidence.excludes_stiff};
     result.other_answers_kpa = evidence.other_kpa;
+    result.misled_probability = evidence.misled_probability;
     result.sd_ln = verdict.verdict == Verdict::not_identifiable
                        ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
                        : evidence.sd_ln;

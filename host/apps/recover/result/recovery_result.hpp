@@ -53,7 +53,8 @@ struct RegionResult {
     std::array<bool, 2> seen_ends{true, true};
     /// Moduli at which searches that began elsewhere have ended, where they are another answer.
     std::vector<double> other_answers_kpa = {};
-    double most_probable_kpa = 0;  ///< with which fields and forces are; as given where it is
+    double most_probable_kpa = 0;   ///< with which fields and forces are; as given where it is
+    double misled_probability = 0;  ///< that the images mislead about the modulus (model_error.hpp)
 };
 
 /// One combination of unknown moduli and how much the images say of it.
