@@ -177,7 +177,9 @@ palpate_status palpate_result_region(const palpate_result* result, std::int32_t 
                                   found.reason.c_str(),
                                   found.stiffness_kpa,
                                   {found.interval_kpa[0], found.interval_kpa[1]},
-                                  found.poisson_ratio};
+                                  found.poisson_ratio,
+                                  found.most_probable_kpa,
+                                  found.misled_probability};
         std::memcpy(region, &full, std::min(size, sizeof full));
         return PALPATE_OK;
     });
