@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 
-#include "host/apps/recover/inverse/model_error.hpp"
 #include "host/apps/recover/modelling/build_model.hpp"
 #include "host/apps/recover/pipeline/recover.hpp"
 #include "host/apps/recover/report/result_folder.hpp"
@@ -53,9 +52,8 @@ RegionRecord region_record(const RegionResult& region, const RecoveryResult& res
     if (region.verdict != Verdict::not_identifiable) {
         row.e_kpa = region.stiffness_kpa;
         row.sd_ln = region.sd_ln;
-        // Of several answers, or images that may mislead, no one Gaussian is the data's.
-        if (region.other_answers_kpa.empty() &&
-            region.misled_probability < contradiction_probability)
+        // Of several answers, or images in doubt, no one Gaussian is the data's.
+        if (region.other_answers_kpa.empty() && !region.contradicts_prior)
             take_prior_out(row, prior_median_kpa(result.settings),
                            result.settings.prior.stiffness_sd_ln);
     }

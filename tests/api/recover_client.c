@@ -109,10 +109,8 @@ static void read_result(const palpate_result* result) {
         expect(region.interval_kpa[0] < region.stiffness_kpa &&
                    region.stiffness_kpa < region.interval_kpa[1],
                "the interval holds the estimate");
-        expect(region.interval_kpa[0] < region.most_probable_kpa &&
-                   region.most_probable_kpa < region.interval_kpa[1] &&
-                   region.misled_probability > 0 && region.misled_probability < 0.1,
-               "the most probable modulus is within the interval, and nothing misled");
+        expect(fabs(log(region.most_probable_kpa / region.stiffness_kpa)) < 1,
+               "the most probable modulus is near the one that is told");
         expect(region.stiffness_kpa > 20 && region.stiffness_kpa < 320,
                "the estimate is within a factor of four on this coarse phantom");
     }

@@ -57,8 +57,8 @@ Row row_of(const Truth& truth, const StudyOptions& options, const ProgressSink& 
                        std::sqrt(found.covariance(0, 0))};
     if (truth.is_finer) {
         const double model_sd = model_sd_ln_with(0);
-        const auto mean = believed_mean(found.theta, found.covariance, found.unknown,
-                                        Eigen::VectorXd::Constant(1, model_sd));
+        const auto [mean, covariance] = believed_moduli(
+            found.theta, found.covariance, found.unknown, Eigen::VectorXd::Constant(1, model_sd));
         known = with_model_error(known, std::exp(mean[0]), found.unknown[0].sd, model_sd);
     }
     const auto& [kpa, interval, sd_ln] = known;

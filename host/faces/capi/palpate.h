@@ -188,8 +188,7 @@ typedef struct palpate_region {
     double stiffness_kpa;   /* 0 for hollow regions */
     double interval_kpa[2]; /* 95 % */
     double poisson_ratio;
-    double most_probable_kpa;  /* the modulus with which displacements and forces are */
-    double misled_probability; /* that the images mislead about it; 0 of a given modulus */
+    double most_probable_kpa; /* the modulus with which displacements and forces are */
 } palpate_region;
 
 PALPATE_API int32_t palpate_result_num_regions(const palpate_result* result);

@@ -178,8 +178,7 @@ palpate_status palpate_result_region(const palpate_result* result, std::int32_t 
                                   found.stiffness_kpa,
                                   {found.interval_kpa[0], found.interval_kpa[1]},
                                   found.poisson_ratio,
-                                  found.most_probable_kpa,
-                                  found.misled_probability};
+                                  found.most_probable_kpa};
         std::memcpy(region, &full, std::min(size, sizeof full));
         return PALPATE_OK;
     });

@@ -90,7 +90,6 @@ nb::object regions_of(const Result& result) {
         entry["interval_kpa"] = nb::make_tuple(region.interval_kpa[0], region.interval_kpa[1]);
         entry["poisson_ratio"] = region.poisson_ratio;
         entry["most_probable_kpa"] = region.most_probable_kpa;
-        entry["misled_probability"] = region.misled_probability;
         list.append(entry);
     }
     return list;

@@ -49,10 +49,12 @@ TEST(Identifiability, AnOrganThatStandsStillIsNotIdentifiableHoweverSteepItsPost
 
 TEST(Identifiability, ImagesThatContradictWhatWasAssumedSaySo) {
     ModulusEvidence evidence = clear_evidence();
-    evidence.misled_probability = 0.4;
+    evidence.contradiction = {0.4, 4800, true};
     const Judgement sharp = judge(evidence);
     EXPECT_EQ(sharp.verdict, Verdict::weak);
+    EXPECT_TRUE(says(sharp, "say 4.8e+03 kPa, far stiffer than was assumed")) << sharp.reason;
     EXPECT_TRUE(says(sharp, "a probability of 40 %")) << sharp.reason;
+    EXPECT_EQ(told_interval(evidence, sharp, 100), evidence.interval_kpa);
 
     evidence.sd_ln = 1.1;
     evidence.interval_kpa = {30, 14000};

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/apps/recover/inverse/model_error.hpp"
-
 namespace palpate {
 
 namespace {
@@ -16,18 +14,6 @@ namespace {
 UnknownEvidence general_evidence(const ModulusEvidence& evidence) {
     return {evidence.sd_ln, evidence.prior_sd_ln, evidence.seen_sd_ln, evidence.excludes_soft,
             evidence.excludes_stiff};
-}
-
-bool contradicts(const ModulusEvidence& evidence) {
-    return evidence.misled_probability >= contradiction_probability;
-}
-
-std::string contradiction_text(const ModulusEvidence& evidence) {
-    return fmt::format(
-        "the images say what was hardly expected beforehand, and with a probability of {:.0f} % "
-        "something else than stiffness has moved the contours: look at the distances after the "
-        "search, and at [prior] stiffness_median_ratio and stiffness_sd_ln",
-        100 * evidence.misled_probability);
 }
 
 /// What else there is to know of a modulus.
@@ -39,7 +25,6 @@ std::string further_text(const ModulusEvidence& evidence) {
         others = fmt::format(
             "; there is more than one answer: searches that began elsewhere ended at {} kPa",
             others);
-    if (contradicts(evidence)) others += "; " + contradiction_text(evidence);
     if (std::abs(evidence.partner_correlation) <= strong_correlation) return others;
     return others +
            fmt::format(
@@ -48,13 +33,21 @@ std::string further_text(const ModulusEvidence& evidence) {
                evidence.partner, evidence.partner_correlation);
 }
 
+Judgement judge_contradiction(const ModulusEvidence& evidence) {
+    const Contradiction& found = *evidence.contradiction;
+    const bool tells = case_of(general_evidence(evidence)) != EvidenceCase::unseen;
+    return {tells ? Verdict::weak : Verdict::not_identifiable,
+            fmt::format("taken at their word the images say {:.3g} kPa, far {} than was assumed "
+                        "beforehand; with a probability of {:.0f} % something else than stiffness "
+                        "has moved the contours: look at the distances after the search, and if "
+                        "such tissue is expected, widen what is assumed beforehand{}",
+                        found.data_kpa, found.is_stiffer ? "stiffer" : "softer",
+                        100 * found.probability, further_text(evidence))};
+}
+
 Judgement judge_unseen(const ModulusEvidence& evidence) {
     const double left = std::max(evidence.sd_ln, evidence.seen_sd_ln);
-    if (left > evidence.prior_sd_ln && contradicts(evidence))
-        return {
-            Verdict::not_identifiable,
-            "no interval is narrower than what was assumed beforehand" + further_text(evidence)};
-    const char* why = evidence.other_kpa.empty() && !contradicts(evidence)
+    const char* why = evidence.other_kpa.empty()
                           ? ": the organ does not deform enough relative to its surroundings"
                           : "";
     return {Verdict::not_identifiable,
@@ -87,17 +80,16 @@ ModulusEvidence evidence_with(const ModulusAnswer& found,
                               const std::vector<ModulusAnswer>& others) {
     ModulusEvidence evidence = found.evidence;
     auto& [low, high] = evidence.interval_kpa;
-    for (const auto& [kpa, other, end_kpa] : others) {
-        if (holds(found.evidence, kpa) && holds(other, found.kpa)) continue;
+    for (const ModulusAnswer& answer : others) {
+        const ModulusEvidence& other = answer.evidence;
+        if (holds(found.evidence, answer.kpa) && holds(other, found.kpa)) continue;
         low = std::min(low, other.interval_kpa[0]);
         high = std::max(high, other.interval_kpa[1]);
         evidence.sd_ln = std::max(evidence.sd_ln, other.sd_ln);
         evidence.seen_sd_ln = std::max(evidence.seen_sd_ln, other.seen_sd_ln);
-        evidence.misled_probability =
-            std::max(evidence.misled_probability, other.misled_probability);
         evidence.excludes_soft = evidence.excludes_soft && other.excludes_soft;
         evidence.excludes_stiff = evidence.excludes_stiff && other.excludes_stiff;
-        evidence.other_kpa.push_back(end_kpa);
+        evidence.other_kpa.push_back(answer.end_kpa);
     }
     if (evidence.other_kpa.empty()) return evidence;
     std::sort(evidence.other_kpa.begin(), evidence.other_kpa.end());
@@ -108,11 +100,12 @@ ModulusEvidence evidence_with(const ModulusAnswer& found,
 }
 
 Judgement judge(const ModulusEvidence& evidence) {
+    if (evidence.contradiction) return judge_contradiction(evidence);
     const EvidenceCase which = case_of(general_evidence(evidence));
     if (which == EvidenceCase::unseen) return judge_unseen(evidence);
     if (which != EvidenceCase::bounded) return judge_one_sided(evidence, which);
     const double span = evidence.interval_kpa[1] / evidence.interval_kpa[0];
-    const Verdict verdict = contradicts(evidence) ? Verdict::weak : verdict_of_span(span);
+    const Verdict verdict = verdict_of_span(span);
     const int digits = verdict == Verdict::weak ? 1 : 2;
     return {verdict, fmt::format("the 95 % interval spans a factor of {:.{}f}{}", span, digits,
                                  further_text(evidence))};
@@ -122,9 +115,10 @@ std::array<double, 2> told_interval(const ModulusEvidence& evidence, const Judge
                                     double median_kpa) {
     const std::array<double, 2> prior = prior_interval(median_kpa, evidence.prior_sd_ln);
     const std::array<double, 2>& found = evidence.interval_kpa;
-    if (judgement.verdict == Verdict::not_identifiable && contradicts(evidence))
-        return {std::min(found[0], prior[0]), std::max(found[1], prior[1])};
-    return told_interval(found, prior, general_evidence(evidence), judgement.verdict);
+    if (!evidence.contradiction)
+        return told_interval(found, prior, general_evidence(evidence), judgement.verdict);
+    if (judgement.verdict != Verdict::not_identifiable) return found;
+    return {std::min(found[0], prior[0]), std::max(found[1], prior[1])};
 }
 
 std::array<double, 2> RatioEvidence::interval() const {

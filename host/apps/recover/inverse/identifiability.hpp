@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,13 +12,21 @@
 
 namespace palpate {
 
+/// Images that say what was hardly expected beforehand (with_misled_data).
+struct Contradiction {
+    double probability = 0;   ///< that something else than stiffness has moved the contours
+    double data_kpa = 0;      ///< what the images say, taken at their word
+    bool is_stiffer = false;  ///< than was assumed
+};
+
 /// What is known of one modulus after a search.
 struct ModulusEvidence {
     std::array<double, 2> interval_kpa{1, 1};  ///< 95 %
     double sd_ln = 0, prior_sd_ln = 1;         ///< posterior and prior standard deviation of ln E
     double seen_sd_ln = 0;  ///< posterior one from the motion that is seen (posterior.hpp)
     bool excludes_soft = true, excludes_stiff = true;  ///< whether data without prior bound it
-    double misled_probability = 0;                     ///< that data mislead (model_error.hpp)
+    /// If something else than stiffness may have moved the contours.
+    std::optional<Contradiction> contradiction;
     std::vector<double> other_kpa;  ///< answers of searches that began elsewhere, ascending
     std::string partner;            ///< the organ whose modulus correlates most; may be empty
     double partner_correlation = 0;
@@ -27,7 +36,8 @@ struct ModulusEvidence {
 struct ModulusAnswer {
     double kpa = 0;  ///< to be told
     ModulusEvidence evidence;
-    double end_kpa = 0;  ///< where it has ended: the most probable modulus
+    double end_kpa = 0;         ///< where it has ended: the most probable modulus
+    double believed_sd_ln = 0;  ///< of `kpa`, the other moduli being unknown (BelievedModuli)
 };
 
 /// What is known where searches that began elsewhere have ended too. Those of which one interval
@@ -36,8 +46,9 @@ struct ModulusAnswer {
 ModulusEvidence evidence_with(const ModulusAnswer& found, const std::vector<ModulusAnswer>& others);
 
 /// A modulus is *recovered* if its 95 % interval spans at most a factor of 2 and the images bound
-/// it on both sides and agree with what was assumed, *weak* if not, *not identifiable* if the data,
-/// or the motion that they show, narrow the prior by less than a third (method.md section 5).
+/// it on both sides and do not contradict what was assumed, *weak* if not, *not identifiable* if
+/// the data, or the motion that they show, narrow the prior by less than a third (method.md section
+/// 5).
 Judgement judge(const ModulusEvidence& evidence);
 
 /// The interval to tell of a modulus whose prior has this median: the prior's if it is not

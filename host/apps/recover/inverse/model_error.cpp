@@ -22,8 +22,9 @@ double information(double sd_ln, double prior_sd_ln) {
     return std::max(0.0, 1 / square(sd_ln) - 1 / square(prior_sd_ln));
 }
 
-double density(double x, double mean, double variance) {
-    return boost::math::pdf(boost::math::normal(mean, std::sqrt(variance)), x);
+/// Of a normal distribution, up to a constant.
+double log_density(double x, double mean, double variance) {
+    return -0.5 * (square(x - mean) / variance + std::log(variance));
 }
 
 /// A normal distribution whose two sides may differ; half of it lies on either.
@@ -65,8 +66,9 @@ double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double model_sd)
     return 1 / std::sqrt(of_data + 1 / square(prior_sd_ln));
 }
 
-Eigen::VectorXd believed_mean(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance,
-                              const std::vector<Unknown>& priors, const Eigen::VectorXd& model_sd) {
+BelievedModuli believed_moduli(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance,
+                               const std::vector<Unknown>& priors,
+                               const Eigen::VectorXd& model_sd) {
     const Index n = theta.size();
     Eigen::VectorXd mean(n), precision(n);
     for (Index k = 0; k < n; ++k) {
@@ -82,7 +84,8 @@ Eigen::VectorXd believed_mean(const Eigen::VectorXd& theta, const Eigen::MatrixX
     Eigen::MatrixXd believed = left.partialPivLu().solve(data);
     believed.diagonal() += precision;
     const Eigen::VectorXd pull = left.partialPivLu().solve(both * (theta - mean));
-    return mean + believed.partialPivLu().solve(pull);
+    const Eigen::MatrixXd left_open = believed.inverse();  // S
+    return {mean + left_open * pull, left_open};
 }
 
 KnownModulus with_model_error(const KnownModulus& found, double kpa, double prior_sd_ln,
@@ -97,20 +100,21 @@ KnownModulus with_model_error(const KnownModulus& found, double kpa, double prio
             sd_ln_with_model_error(found.sd_ln, prior_sd_ln, model_sd)};
 }
 
-DoubtedModulus with_misled_data(const KnownModulus& found, const Unknown& prior) {
+std::optional<DoubtedModulus> with_misled_data(const KnownModulus& found, double believed_sd_ln,
+                                               const Unknown& prior) {
     const double prior_variance = square(prior.sd);
-    const double precision = 1 / square(found.sd_ln);
+    const double precision = 1 / square(believed_sd_ln);
     const double of_data = precision - 1 / prior_variance;  // 1/v
-    if (!(of_data > 0)) return {found, 0};
     const double ln_kpa = std::log(found.kpa);
+    if (!(of_data > 0) || !std::isfinite(of_data) || !std::isfinite(ln_kpa)) return std::nullopt;
     const double data = (precision * ln_kpa - prior.mean / prior_variance) / of_data;  // d
 
-    // w = e N_k(d) / (e N_k(d) + (1 - e) N_1(d))
+    // w / (1 - w) = e N(d; m_p, s_p^2 + k^2 v) / ((1 - e) N(d; m_p, s_p^2 + v))
     const double v = 1 / of_data, misled_v = square(misled_sd_factor) * v;
-    const double if_misled = misled_share * density(data, prior.mean, prior_variance + misled_v);
-    const double if_not = (1 - misled_share) * density(data, prior.mean, prior_variance + v);
-    const double w = if_misled / (if_misled + if_not);
-    if (!(w > 0)) return {found, 0};
+    const double ln_odds = std::log(misled_share / (1 - misled_share)) +
+                           log_density(data, prior.mean, prior_variance + misled_v) -
+                           log_density(data, prior.mean, prior_variance + v);
+    const double w = 1 / (1 + std::exp(-ln_odds));
 
     const double misled_sd = 1 / std::sqrt(1 / prior_variance + 1 / misled_v);
     const double misled_mean = square(misled_sd) * (prior.mean / prior_variance + data / misled_v);
@@ -121,11 +125,11 @@ DoubtedModulus with_misled_data(const KnownModulus& found, const Unknown& prior)
     const double variance = (1 - w) * square(found.sd_ln) + w * square(misled_sd) +
                             w * (1 - w) * square(misled_mean - ln_kpa);
     const double tail = 0.025;
-    return {{std::exp(mean),
-             {std::exp(quantile(usual, misled, w, tail)),
-              std::exp(quantile(usual, misled, w, 1 - tail))},
-             std::sqrt(variance)},
-            w};
+    const KnownModulus known{std::exp(mean),
+                             {std::exp(quantile(usual, misled, w, tail)),
+                              std::exp(quantile(usual, misled, w, 1 - tail))},
+                             std::sqrt(variance)};
+    return DoubtedModulus{known, w, std::exp(data)};
 }
 
 }  // namespace palpate

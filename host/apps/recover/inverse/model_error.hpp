@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "host/estimate/objective.hpp"
@@ -43,13 +44,18 @@ struct KnownModulus {
 ///   1/s^2 = 1 / (data_sd_factor^2 / i + model^2) + 1 / prior^2,   i = 1 / sd^2 - 1 / prior^2.
 double sd_ln_with_model_error(double sd_ln, double prior_sd_ln, double model_sd);
 
+/// Moduli of which some of what the data tell is believed, ln E.
+struct BelievedModuli {
+    Eigen::VectorXd mean;
+    Eigen::MatrixXd covariance;
+};
 /// Where data that tell less leave the moduli's ln E, which a search found at `theta` with
 /// `covariance`, each with its `model_sd` [num unknown]: the less the data tell, the more of what
 /// was assumed is believed. With m and P the priors' means and precisions, C the covariance, D =
-/// C^-1 - P what the data tell, M = diag(model^2) and f = data_sd_factor,
-///   m + (P + V^-1)^-1 (f^2 + D M)^-1 C^-1 (theta - m),   V^-1 = D (f^2 + M D)^-1.
-Eigen::VectorXd believed_mean(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance,
-                              const std::vector<Unknown>& priors, const Eigen::VectorXd& model_sd);
+/// C^-1 - P what the data tell, M = diag(model^2) and f = data_sd_factor, the mean and covariance
+///   m + S (f^2 + D M)^-1 C^-1 (theta - m),   S = (P + V^-1)^-1,   V^-1 = D (f^2 + M D)^-1.
+BelievedModuli believed_moduli(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance,
+                               const std::vector<Unknown>& priors, const Eigen::VectorXd& model_sd);
 
 /// What is to be told of a modulus that a search found: about `kpa`, either side of the interval as
 /// the standard deviation above.
@@ -57,17 +63,18 @@ KnownModulus with_model_error(const KnownModulus& found, double kpa, double prio
                               double model_sd);
 
 /// Of targets, the share whose images mislead: of some 150 phantoms of two generators one was off
-/// by five times the standard deviation that was left to it (docs/studies.md).
+/// by seven times the standard deviation that was left to it (docs/studies.md).
 constexpr double misled_share = 0.01;
 /// How many times the standard deviation that the data claim theirs then is.
 constexpr double misled_sd_factor = 5;
-/// How probable it must be that images mislead for the answer to say so.
+/// How probable it must be that images mislead for the answer to be another one.
 constexpr double contradiction_probability = 0.1;
 
 /// A modulus where the images may have misled.
 struct DoubtedModulus {
     KnownModulus known;
     double misled_probability = 0;  ///< that they have
+    double data_kpa = 0;            ///< what the data alone say
 };
 
 /// `found`, whose prior of ln E is `prior`, if images mislead now and then: with d and v the mean
@@ -77,7 +84,9 @@ struct DoubtedModulus {
 /// so that the farther d is from what the prior expects, the more probable it is that they have;
 /// the modulus is then the mixture of both posteriors, told by its mean, standard deviation and
 /// quantiles of 2.5 and 97.5 % (contaminated normal: Tukey 1960; conflict of prior and data: Evans
-/// and Moshonov 2006). Data that tell nothing leave `found` as it is.
-DoubtedModulus with_misled_data(const KnownModulus& found, const Unknown& prior);
+/// and Moshonov 2006). d and v follow from `found.kpa` and the standard deviation `believed_sd_ln`
+/// that belongs to it (BelievedModuli). Empty where the data tell nothing.
+std::optional<DoubtedModulus> with_misled_data(const KnownModulus& found, double believed_sd_ln,
+                                               const Unknown& prior);
 
 }  // namespace palpate

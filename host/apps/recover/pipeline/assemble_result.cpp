@@ -98,6 +98,7 @@ void describe_unknown(const Recovered& found, const Settings& settings, RegionRe
     const Judgement without = judge_without_reference();
     result.verdict = without.verdict;
     result.reason = without.reason;
+    result.contradicts_prior = false;
 }
 
 /// Everything that was allowed, for a region whose ratio moves nothing that is seen.

@@ -41,7 +41,7 @@ void visit_regions(Stream& stream, Regions& regions) {
             within(ratio.interval, ratio.verdict, ratio.reason);
         });
         inner(r.jacobian_range, r.strain_energy_mj, r.seen_ends[0], r.seen_ends[1],
-              r.other_answers_kpa, r.misled_probability);
+              r.other_answers_kpa, r.contradicts_prior);
     });
 }
 

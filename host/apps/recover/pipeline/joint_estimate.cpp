@@ -38,7 +38,7 @@ double mesh_change_ln(const std::vector<JointTarget>& targets, const Eigen::Vect
 
 JointTarget joint_target(const MapEstimate& estimate, const Settings& settings) {
     return {estimate.posterior,   estimate.walls,          estimate.response,
-            estimate.noise_level, estimate.mesh_change_ln, has_other_answer(estimate, settings)};
+            estimate.noise_level, estimate.mesh_change_ln, why_told_alone(estimate, settings)};
 }
 
 std::vector<RegionResult> joint_estimate(const std::vector<JointTarget>& targets,

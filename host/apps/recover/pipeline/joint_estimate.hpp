@@ -20,7 +20,7 @@ struct JointTarget {
     std::shared_ptr<const ResponseModel> response;
     NoiseLevel noise;
     Eigen::VectorXd mesh_change_ln;  ///< as in MapEstimate
-    bool has_other_answer = false;   ///< what is linearised here is one of several
+    std::string told_alone;          ///< why it cannot be put together with others; empty if it can
 };
 
 /// Empty `problem` where the search has none: another method than `map`.

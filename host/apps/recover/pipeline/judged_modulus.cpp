@@ -21,22 +21,37 @@ ModulusAnswer answer_at(const MapEstimate& estimate, Index k, const Eigen::Vecto
     Eigen::VectorXd model_sd(theta.size());
     for (Index j = 0; j < theta.size(); ++j)
         model_sd[j] = model_sd_ln_with(estimate.noise_level.contour_mm, mesh_change_ln[j]);
-    const double kpa =
-        std::exp(believed_mean(theta, estimate.covariance, estimate.unknown, model_sd)[k]);
+    const BelievedModuli believed =
+        believed_moduli(theta, estimate.covariance, estimate.unknown, model_sd);
     KnownModulus found{std::exp(theta[k]), estimate.interval_kpa[k],
                        std::sqrt(estimate.covariance(k, k))};
     for (double& end : found.interval_kpa) end *= std::exp(shift_ln[k]);
-    const auto [told, misled_probability] = with_misled_data(
-        with_model_error(found, kpa, estimate.unknown[k].sd, model_sd[k]), estimate.unknown[k]);
+    const KnownModulus told =
+        with_model_error(found, std::exp(believed.mean[k]), estimate.unknown[k].sd, model_sd[k]);
     ModulusEvidence evidence;
-    evidence.misled_probability = misled_probability;
     evidence.interval_kpa = told.interval_kpa;
     evidence.sd_ln = told.sd_ln;
     evidence.prior_sd_ln = estimate.unknown[k].sd;
     evidence.seen_sd_ln = estimate.seen_sd_ln[k];
     evidence.excludes_soft = estimate.excluded_ends[k][0];
     evidence.excludes_stiff = estimate.excluded_ends[k][1];
-    return {told.kpa, evidence, found.kpa};
+    return {told.kpa, evidence, found.kpa, std::sqrt(believed.covariance(k, k))};
+}
+
+/// Of what tells something, whether the images may have misled: then the answer is the mixture of
+/// both (with_misled_data).
+void doubt(ModulusAnswer& answer, const Unknown& prior) {
+    ModulusEvidence& evidence = answer.evidence;
+    const double left = std::max({evidence.sd_ln, evidence.seen_sd_ln, answer.believed_sd_ln});
+    if (!(left <= unseen_share * prior.sd)) return;
+    const auto doubted = with_misled_data({answer.kpa, evidence.interval_kpa, evidence.sd_ln},
+                                          answer.believed_sd_ln, prior);
+    if (!doubted || doubted->misled_probability < contradiction_probability) return;
+    const auto& [known, probability, data_kpa] = *doubted;
+    evidence.contradiction = {probability, data_kpa, std::log(data_kpa) > prior.mean};
+    evidence.interval_kpa = known.interval_kpa;
+    evidence.sd_ln = known.sd_ln;
+    answer.kpa = known.kpa;
 }
 
 /// What is known of unknown `k`, other searches' ends and its strongest partner among the other
@@ -54,6 +69,7 @@ ModulusAnswer answer_of(const MapEstimate& estimate, std::size_t k, const Settin
     ModulusAnswer answer = answer_at(estimate, row, mesh_change, nothing);
     ModulusEvidence& evidence = answer.evidence;
     evidence = evidence_with(answer, others);
+    if (evidence.other_kpa.empty()) doubt(answer, estimate.unknown[k]);
     for (Index other = 0; other < covariance.cols(); ++other) {
         const double correlation =
             covariance(row, other) / std::sqrt(covariance(row, row) * covariance(other, other));
@@ -79,10 +95,14 @@ bool has_known_tissue(const Settings& settings) {
     });
 }
 
-bool has_other_answer(const MapEstimate& estimate, const Settings& settings) {
-    for (std::size_t k = 0; k < estimate.unknown.size() && !estimate.others.empty(); ++k)
-        if (!answer_of(estimate, k, settings).evidence.other_kpa.empty()) return true;
-    return false;
+std::string why_told_alone(const MapEstimate& estimate, const Settings& settings) {
+    if (estimate.interval_kpa.empty()) return "";
+    for (std::size_t k = 0; k < estimate.unknown.size(); ++k) {
+        const ModulusEvidence evidence = answer_of(estimate, k, settings).evidence;
+        if (!evidence.other_kpa.empty()) return "has more than one answer";
+        if (evidence.contradiction) return "contradicts what was assumed beforehand";
+    }
+    return "";
 }
 
 void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& settings,
@@ -94,14 +114,16 @@ void judge_modulus(const MapEstimate& estimate, std::size_t k, const Settings& s
         result.interval_kpa = {result.sd_ln, result.sd_ln};
         return tell(not_judged("nested-lbfgs"), result);
     }
-    const auto [kpa, evidence, end_kpa] = answer_of(estimate, k, settings);
+    const ModulusAnswer answer = answer_of(estimate, k, settings);
+    const ModulusEvidence& evidence = answer.evidence;
     const Judgement verdict = judge(evidence);
-    result.stiffness_kpa = kpa;
+    result.stiffness_kpa = answer.kpa;
     result.interval_kpa = told_interval(evidence, verdict, std::exp(estimate.unknown[k].mean));
-    const bool is_told = verdict.verdict != Verdict::not_identifiable;
+    const bool is_told =
+        verdict.verdict != Verdict::not_identifiable && !evidence.contradiction.has_value();
     result.seen_ends = {is_told && evidence.excludes_soft, is_told && evidence.excludes_stiff};
     result.other_answers_kpa = evidence.other_kpa;
-    result.misled_probability = evidence.misled_probability;
+    result.contradicts_prior = evidence.contradiction.has_value();
     result.sd_ln = verdict.verdict == Verdict::not_identifiable
                        ? std::max(evidence.sd_ln, evidence.seen_sd_ln)
                        : evidence.sd_ln;

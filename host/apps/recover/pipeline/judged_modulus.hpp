@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "host/apps/recover/inverse/map_estimate.hpp"
 #include "host/apps/recover/modelling/settings.hpp"
@@ -13,8 +14,9 @@ namespace palpate {
 /// Whether any modulus is given: others are found relative to it.
 bool has_known_tissue(const Settings& settings);
 
-/// Whether searches of the same target have ended at moduli that the intervals do not hold.
-bool has_other_answer(const MapEstimate& estimate, const Settings& settings);
+/// Why a target takes no part in a joint estimate: searches have ended at moduli that the intervals
+/// do not hold, or its images contradict what was assumed beforehand. Else empty.
+std::string why_told_alone(const MapEstimate& estimate, const Settings& settings);
 
 /// The modulus of unknown `k`, its interval, standard deviation and verdict, with what the model
 /// itself adds, into `result`. Not judged where the search gave no interval.

@@ -173,8 +173,8 @@ struct JointTargets {
             result.left_out.emplace_back(k, repeats);
         } else if (!converged) {
             result.left_out.emplace_back(k, "did not converge");
-        } else if (target.has_other_answer) {
-            result.left_out.emplace_back(k, "has more than one answer");
+        } else if (!target.told_alone.empty()) {
+            result.left_out.emplace_back(k, target.told_alone);
         } else {
             searched.push_back(std::move(target));
         }

@@ -73,9 +73,7 @@ ResultTree region_part(const RegionResult& r) {
     part.add("lower_end_from", of_end(0));
     part.add("upper_end_from", of_end(1));
     part.add("other_answers_kpa", r.other_answers_kpa);
-    part.add("misled_probability", r.unknown && std::isfinite(r.sd_ln)
-                                       ? FigureValue(r.misled_probability)
-                                       : FigureValue{});
+    part.add("contradicts_prior", r.contradicts_prior);
     part.add("sd_ln_stiffness", of_solid(r.sd_ln));
     part.add(shear_figure(r));
     part.add(Figure{.name = "poisson_ratio",

@@ -53,8 +53,9 @@ struct RegionResult {
     std::array<bool, 2> seen_ends{true, true};
     /// Moduli at which searches that began elsewhere have ended, where they are another answer.
     std::vector<double> other_answers_kpa = {};
-    double most_probable_kpa = 0;   ///< with which fields and forces are; as given where it is
-    double misled_probability = 0;  ///< that the images mislead about the modulus (model_error.hpp)
+    double most_probable_kpa = 0;  ///< with which fields and forces are; as given where it is
+    /// The images say what was hardly expected: something else may have moved the contours.
+    bool contradicts_prior = false;
 };
 
 /// One combination of unknown moduli and how much the images say of it.
