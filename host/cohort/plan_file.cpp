@@ -82,7 +82,7 @@ PlanHead head_of(const nlohmann::ordered_json& json) {
     head.keep = kept_files_of(json.at("keep").get<std::string>());
     head.recover_toml = json.at("recover");
     head.shard_minutes = json.at("shard_minutes");
-    const Json& limits = json.at("limits");
+    const nlohmann::ordered_json& limits = json.at("limits");
     head.limits = {limits.at("target_s"), limits.at("attempts"),
                    limits.value("memory_mb", HUGE_VAL)};
     head.slurm_lines = json.at("slurm");
