@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/cohort/run_cohort.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/statvfs.h>
@@ -11,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <deque>
 #include <list>
 #include <memory>
@@ -22,6 +20,7 @@
 
 #include "host/cohort/case_states.hpp"
 #include "host/cohort/cohort_folder.hpp"
+#include "host/cohort/machine_trial.hpp"
 #include "host/cohort/patient.hpp"
 #include "host/cohort/patient_events.hpp"
 #include "host/cohort/patient_in_work.hpp"
@@ -37,7 +36,7 @@ namespace {
 
 using Clock = PatientInWork::Clock;
 constexpr int tick_ms = 100, most_device_failures = 3;  // of different patients in a row
-constexpr double seconds_to_unwind = 2, seconds_between_claims = 0.5, seconds_between_looks = 0.25;
+constexpr double seconds_between_claims = 0.5, least_trial_s = 60;
 constexpr double least_free_bytes = 64e6;
 
 double seconds_since(Clock::time_point then) {
@@ -53,7 +52,8 @@ public:
           folder_(options.folder),
           plan_(options.folder),
           limit_s_(limit_s(plan_.head())),
-          journal_(folder_) {
+          journal_(folder_),
+          trial_(options.program, fs::absolute(options.folder), std::max(least_trial_s, limit_s_)) {
         // The journals are worth reading only by who needs most of them.
         std::optional<CaseStates> all;
         if (options.shard.count == 1) all.emplace(folder_);
@@ -80,6 +80,7 @@ public:
             fill_slots();
             if (in_work_.empty() && waiting_.empty()) break;
             wait_for_news();
+            try_machine();
             for (auto at = in_work_.begin(); at != in_work_.end();)
                 at = is_over(*at) ? in_work_.erase(at) : std::next(at);
             report();
@@ -163,7 +164,8 @@ private:
         while (!in_work_.empty() && seconds_since(begin) < 0.8) {
             for (auto at = in_work_.begin(); at != in_work_.end();) {
                 take_news(*at);
-                at = !at->child || at->child->ended() ? in_work_.erase(at) : std::next(at);
+                const bool is_gone = !at->child || at->has_ended || at->child->ended();
+                at = is_gone ? in_work_.erase(at) : std::next(at);
             }
             ::usleep(20000);
         }
@@ -235,11 +237,7 @@ private:
                                        work.patient->id, "--only"};
         words.insert(words.end(), next.cases.begin(), next.cases.end());
         if (next.on_reference_backend) words.push_back("--on-reference-backend");
-        work.current.clear();
-        work.passed_limit.clear();
-        work.limit_s = limit_s_ * next.limit_factor;
-        work.unreported = {next.cases.begin(), next.cases.end()};
-        work.last_event = Clock::now();
+        work.begin_watch(limit_s_ * next.limit_factor, next.cases);
         work.child =
             std::make_unique<SupervisedChild>(options_.program, words, work.claim.descriptor());
         ++run_.started_here;
@@ -290,6 +288,8 @@ private:
     void note_event(PatientInWork& work, const PatientEvent& event) {
         if (event.code == exit_code_of(ErrorCode::output_failed))
             output_failure_ = event.sentence;
+        else if (may_be_of_machine(event.code))
+            work.faults.push_back({event.case_id, event.code, event.sentence});
         else if (event.code != exit_code_of(ErrorCode::cancelled) || !is_interrupted())
             note_failure(work, event.case_id, event.code, event.sentence);
         if (event.case_id == work.current) work.current.clear();
@@ -338,16 +338,10 @@ private:
 
     /// Whether nothing of the patient is left to do here.
     bool is_over(PatientInWork& work) {
-        take_news(work);
-        end_beyond_limits(work);
-        const auto end = work.child->ended();
-        if (output_failure_)
-            stop_with(ErrorCode::output_failed,
-                      *output_failure_ + "; make room, and run again: what is done stays");
-        if (!end) return false;
-        take_news(work);
-        judge(work, *end);
-        append_log(work);
+        if (!work.has_ended) watch(work);
+        if (!work.has_ended || !trial_.is_passed(work.trial)) return false;
+        for (const CaseFault& fault : work.faults)
+            note_failure(work, fault.case_id, fault.code, fault.why);
         work.child.reset();
         stop_without_device(work);
         stop_if_all_fail();
@@ -357,49 +351,37 @@ private:
         return true;
     }
 
-    void end_beyond_limits(PatientInWork& work) const {
-        if (seconds_since(work.last_look) < seconds_between_looks) return;
-        work.last_look = Clock::now();
-        const double most_mb = plan_.head().limits.memory_mb;
-        if (!work.passed_limit.empty()) {
-            if (seconds_since(work.asked_to_end) > seconds_to_unwind)
-                work.child->signal_group(SIGKILL);
-        } else if (seconds_since(work.last_event) > work.limit_s) {
-            work.passed_limit = fmt::format("it took longer than {:g} s", work.limit_s);
-            work.asked_to_end = Clock::now();
-            work.child->signal_group(SIGTERM);
-        } else if (work.child->holds_more_than(most_mb)) {
-            work.passed_limit = fmt::format("it needed more than {:g} MB of memory", most_mb);
-            work.child->signal_group(SIGKILL);  // before the machine does so to another
+    void watch(PatientInWork& work) {
+        take_news(work);
+        work.end_beyond_limits(plan_.head().limits.memory_mb);
+        const auto end = work.child->ended();
+        if (end) take_news(work);
+        if (output_failure_)
+            stop_with(ErrorCode::output_failed,
+                      *output_failure_ + "; make room, and run again: what is done stays");
+        if (!end) return;
+        work.has_ended = true;
+        work.append_log_to(folder_.log_file(*work.patient));
+        bool is_suspect = !work.faults.empty();
+        if (!work.unreported.empty() && !is_interrupted()) {
+            work.faults.push_back(work.unsaid_fault(*end));
+            is_suspect |= work.may_be_of_machine(*end);
         }
+        if (is_suspect) work.trial = trial_.ask();
     }
 
-    /// A process that ended although cases are left, and did not say why.
-    void judge(PatientInWork& work, const ChildEnd& end) {
-        if (work.unreported.empty() || is_interrupted()) return;
-        std::string why = fmt::format("its process ended with exit code {}", end.exit_code);
-        if (end.exit_code == 0) why = "its process ended well and left no result";
-        if (end.signal != 0)
-            why = fmt::format("its process was ended by signal {} ({})", end.signal,
-                              ::strsignal(end.signal));
-        int code = end.exit_code > 0 ? end.exit_code : exit_code_of(ErrorCode::internal);
-        if (!work.passed_limit.empty()) {
-            why = work.passed_limit;
-            code = exit_code_of(ErrorCode::time_limit);
-        }
-        note_failure(work, work.current, code, why);
-    }
-
-    void append_log(const PatientInWork& work) const {
-        if (work.child->log_tail().empty()) return;
-        std::error_code failed;
-        const fs::path file = folder_.log_file(*work.patient);
-        const int out = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-        if (out < 0) return;
-        const ssize_t ignored =
-            ::write(out, work.child->log_tail().data(), work.child->log_tail().size());
-        (void)ignored;
-        ::close(out);
+    /// Whether what failed is to blame, or the machine.
+    void try_machine() {
+        trial_.watch();
+        if (!trial_.failure()) return;
+        std::string first;
+        for (const PatientInWork& work : in_work_)
+            if (first.empty() && !work.faults.empty()) first = work.faults.front().why;
+        stop_with(
+            ErrorCode::device_failed,
+            fmt::format("{} cannot recover even a tiny phantom that is built in ({}), so what "
+                        "failed here stays waiting for another machine; before that: {}",
+                        host_name(), *trial_.failure(), first));
     }
 
     void stop_without_device(PatientInWork& work) {
@@ -428,6 +410,7 @@ private:
     PlanFile plan_;
     double limit_s_;
     JournalFile journal_;
+    MachineTrial trial_;
     CohortRun run_;
     std::deque<std::size_t> waiting_;  ///< positions in the plan
     std::list<PatientInWork> in_work_;

@@ -36,8 +36,9 @@ struct CohortRun {
 /// started again, also by several at a time. Returns when nothing of the shard waits any more, done
 /// here or elsewhere. Throws Error(invalid_argument) for a participant that the plan has not,
 /// Error(cancelled) at a signal or when cases fail alike (SharedFailure), Error(output_failed) when
-/// the disk is full, Error(device_failed) when three patients in a row found no device; what was in
-/// work then stays waiting. To be called from the main thread.
+/// the disk is full, Error(device_failed) when three patients in a row found no device, or when the
+/// tiny phantom fails as a case did (MachineTrial); what was in work then stays waiting. To be
+/// called from the main thread.
 CohortRun run_cohort(const CohortRunOptions& options, const ProgressSink& progress);
 
 }  // namespace palpate

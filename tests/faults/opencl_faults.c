@@ -7,7 +7,8 @@
  *                         build: clBuildProgram gives -11      read: reading gives -36, from then on
  *                         write: writing gives -5              source: clCreateProgramWithSource, -6
  *                         flip: a bit of a live buffer flips after that launch
- *                         hang: that launch takes ten minutes
+ *                         hang: that launch takes ten minutes  crash: launches crash, from then
+ *                                                              on
  *   PALPATE_FAULT_AT      at which call, from 1
  *   PALPATE_FAULT_SEED    which buffer, byte and bit flip
  *   PALPATE_FAULT_KERNELS file that gets the name of every kernel that was launched, a line each
@@ -17,6 +18,7 @@
 #define CL_TARGET_OPENCL_VERSION 300
 #include <CL/cl_layer.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -116,6 +118,7 @@ static cl_int CL_API_CALL enqueue_kernel(cl_command_queue queue, cl_kernel kerne
                                          const cl_event *list, cl_event *event) {
     if (fails("kernel", 1)) return CL_OUT_OF_RESOURCES;
     if (fails("hang", 0)) sleep(600);
+    if (fails("crash", 1)) raise(SIGSEGV);
     note_launch(kernel);
     const cl_int status = below.clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global,
                                                        local, waits, list, event);

@@ -11,6 +11,7 @@
 #include "host/cohort/make_plan.hpp"
 #include "host/cohort/patient.hpp"
 #include "host/cohort/run_cohort.hpp"
+#include "host/cohort/tiny_phantom.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/system/interrupt.hpp"
@@ -172,6 +173,18 @@ void add_patient(CLI::App& app, Run& run) {
     command->callback([job, &run] { run = [job] { return run_one(*job); }; });
 }
 
+void add_trial(CLI::App& app, Run& run) {
+    auto folder = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("trial", "Whether this machine works")->group(hidden);
+    command->add_option("cohort", *folder)->required();
+    command->callback([folder, &run] {
+        run = [folder] {
+            recover_tiny_phantom(*folder, {});
+            return 0;
+        };
+    });
+}
+
 void add_status(CLI::App& app, Run& run) {
     auto folder = std::make_shared<std::string>();
     auto as_json = std::make_shared<bool>(false);
@@ -258,6 +271,7 @@ void add_cohort(CLI::App& app, Run& run) {
     add_plan(*command, run);
     add_run(*command, run);
     add_patient(*command, run);
+    add_trial(*command, run);
     add_status(*command, run);
     add_collect(*command, run);
     add_expand(*command, run);
