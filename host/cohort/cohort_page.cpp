@@ -87,8 +87,9 @@ std::string flags_table(const Gallery& gallery) {
     const std::vector<std::size_t> counts = gallery.flag_counts();
     for (std::size_t k = 0; k < counts.size(); ++k)
         if (counts[k] > 0)
-            rows += fmt::format("<tr><th>{}</th><td class='num'>{}</td></tr>",
-                                escape_html(name_of(static_cast<CaseFlag>(k))), counts[k]);
+            rows += fmt::format(
+                "<tr><th><a href='gallery.html#flag-{}'>{}</a></th><td class='num'>{}</td></tr>", k,
+                escape_html(name_of(static_cast<CaseFlag>(k))), counts[k]);
     if (rows.empty()) return "<p>No case has a flag.</p>";
     return "<div class='scroll'><table class='narrow'><tbody>" + rows + "</tbody></table></div>";
 }

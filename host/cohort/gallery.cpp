@@ -120,9 +120,10 @@ void Gallery::write(const std::filesystem::path& cohort,
     Json flags = Json::array();
     for (std::size_t k = 0; k < num_case_flags; ++k)
         flags.push_back(name_of(static_cast<CaseFlag>(k)));
-    const Json head{{"cases", cases_.size()},       {"page", cards_a_page},
-                    {"file", cards_a_file},         {"flags", flags},
-                    {"low", number_json(low_kpa_)}, {"high", number_json(high_kpa_)}};
+    const Json head{{"cases", cases_.size()},        {"page", cards_a_page},
+                    {"file", cards_a_file},          {"flags", flags},
+                    {"counts", flag_counts()},       {"low", number_json(low_kpa_)},
+                    {"high", number_json(high_kpa_)}};
     replace_text(cohort / "gallery.html",
                  page_html({.kind = "Gallery of a cohort",
                             .version = version_text(),

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-// Needs GALLERY: cases, page, file, flags, low, high. Rows come from gallery/rows-NNNN.js, each
+// Needs GALLERY: cases, page, file, flags, counts, low, high. Rows come from gallery/rows-NNNN.js, each
 // [folder, target, session, key, rating, [[region, verdict, E, low, high]], seconds, sentence, flags].
 const [FOLDER, TARGET, SESSION, KEY, RATING, REGIONS, SECONDS, SENTENCE, FLAGS] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 const RATINGS = ["accept", "reject", "unsure"];
-const pages = Math.max(1, Math.ceil(GALLERY.cases / GALLERY.page));
 const byId = id => document.getElementById(id);
 const files = new Map();
 const memory = "palpate ratings " + location.pathname;
-let rated = {}, page = 1, rows = [], here = -1;
+// matches: places of the cases that are asked for, in order; null: all. rows: [place, row] of the page.
+let rated = {}, page = 1, rows = [], here = -1, matches = null, filtering = 0;
 
 try { rated = JSON.parse(localStorage.getItem(memory)) || {}; } catch { rated = {}; }
 
@@ -56,6 +56,7 @@ function barOf(region) {
   const text = element("div", {className: "e"}, element("span", {}, name), element("span", {},
     known ? number(e) + " kPa (" + number(low) + " to " + number(high) + "), " + verdict : verdict));
   if (!GALLERY.low || low === null) return [text];
+  const label = known ? name + ": " + text.lastChild.textContent : name + ": " + verdict + ", " + number(low) + " to " + number(high) + " kPa";
   const colour = !known ? "var(--line)" : verdict === "weak" ? "var(--weak)" : "var(--accent)";
   const holder = element("div");
   holder.innerHTML = "<svg class='bar-of-e' viewBox='0 0 400 30' preserveAspectRatio='none' role='img'>" +
@@ -64,6 +65,7 @@ function barOf(region) {
     (known ? "<circle cx='" + xOf(e) + "' cy='8' r='5' fill='" + colour + "'/>" : "") +
     "<text x='0' y='27'>" + number(GALLERY.low) + "</text><text x='400' y='27' text-anchor='end'>" +
     number(GALLERY.high) + " kPa</text></svg>";
+  holder.firstChild.setAttribute("aria-label", label);
   return [text, holder.firstChild];
 }
 
@@ -73,61 +75,72 @@ function chipsOf(row) {
     {className: "chip " + (GALLERY.flags.indexOf(name) < grave ? "bad" : "weak")}, name));
 }
 
+const nameOf = row => row[FOLDER].split("/").slice(1).join(" · ");
+
 function pictureOf(row) {
   const without = text => element("div", {className: "none"}, text);
   if (row[FLAGS] & 1) return without("Failed: " + row[SENTENCE]);
-  const picture = element("img", {loading: "lazy", alt: "three slices with contours", src: "cases/" + row[FOLDER] + "/card.svg"});
+  const picture = element("img", {loading: "lazy", alt: "three slices of " + nameOf(row) + " with contours", src: "cases/" + row[FOLDER] + "/card.svg"});
   picture.onerror = () => picture.replaceWith(without("There is no picture of this case."));
   return picture;
 }
 
-function cardOf(row, k) {
-  const [, patient, name] = row[FOLDER].split("/");
+function cardOf([place, row], k) {
+  const name = row[FOLDER].split("/")[2];
   const small = [row[SESSION], name === row[TARGET] ? "" : row[TARGET]].filter(Boolean).join(", ");
-  const buttons = RATINGS.map(word => element("button", {"data-rating": word, onclick: () => { choose(k); rate(word); }},
+  const buttons = RATINGS.map(word => element("button", {"data-rating": word, tabIndex: -1, onclick: () => { choose(k); rate(word); }},
     word[0].toUpperCase() + word.slice(1)));
-  const card = element("article", {className: "case", id: "c" + k, onclick: () => choose(k, false)},
-    element("header", {}, element("h3", {}, patient + " · " + name + " ", element("small", {}, small)),
-      element("span", {className: "place"}, "№ " + ((page - 1) * GALLERY.page + k + 1) +
-        (row[SECONDS] ? " · " + Number(row[SECONDS].toPrecision(2)) + " s" : ""))),
+  return element("article", {className: "case", id: "c" + k, tabIndex: -1, "aria-labelledby": "h" + k, onclick: () => choose(k, false)},
+    element("header", {}, element("h3", {id: "h" + k}, nameOf(row) + " ", element("small", {}, small)),
+      element("span", {className: "place"}, "№ " + place + (row[SECONDS] ? " · " + Number(row[SECONDS].toPrecision(2)) + " s" : ""))),
     element("div", {className: "flags"}, ...chipsOf(row)), pictureOf(row), ...row[REGIONS].flatMap(barOf),
-    element("div", {className: "rate"}, ...buttons));
-  return card;
+    element("div", {className: "rate", role: "group", "aria-label": "Rating"}, ...buttons));
 }
 
 function showRating(k) {
-  const rating = ratingOf(rows[k]), card = byId("c" + k);
+  const rating = ratingOf(rows[k][1]), card = byId("c" + k);
   card.dataset.rating = rating;
   for (const button of card.querySelectorAll(".rate button"))
     button.setAttribute("aria-pressed", String(button.dataset.rating === rating));
-  const wanted = byId("show").value;
-  card.hidden = wanted && (wanted === "open" ? rating !== "" : rating !== wanted) && k !== here;
 }
 
 function showCounts() {
   const count = Object.fromEntries(RATINGS.map(word => [word, 0]));
-  for (const row of rows) if (ratingOf(row)) ++count[ratingOf(row)];
-  byId("counts").textContent = "this page: " + RATINGS.map(word => count[word] + " " + word).join(", ") + "; in this browser: " +
+  for (const [, row] of rows) if (ratingOf(row)) ++count[ratingOf(row)];
+  byId("counts").textContent = (matches ? matches.length.toLocaleString("en") + " shown; " : "") + "this page: " +
+    RATINGS.map(word => count[word] + " " + word).join(", ") + "; in this browser: " +
     Object.values(rated).filter(own => own[0]).length + " rated";
-  byId("nothing").hidden = rows.some((_, k) => !byId("c" + k).hidden);
+  byId("nothing").hidden = rows.length > 0;
 }
+
+const numShown = () => matches ? matches.length : GALLERY.cases;
+const numPages = () => Math.max(1, Math.ceil(numShown() / GALLERY.page));
+const isTyping = () => ["INPUT", "SELECT"].includes((document.activeElement || {}).tagName);
 
 function choose(k, scroll = true) {
   if (k < 0 || k >= rows.length) return;
-  if (here >= 0) byId("c" + here).classList.remove("here", ...(k === here ? [] : ["large"]));
-  const before = here;
+  const mark = (card, on) => {
+    card.classList.toggle("here", on);
+    card.tabIndex = on ? 0 : -1;
+    for (const button of card.querySelectorAll("button")) button.tabIndex = on ? 0 : -1;
+    if (on) card.setAttribute("aria-current", "true");
+    else card.removeAttribute("aria-current");
+  };
+  if (here >= 0) {
+    mark(byId("c" + here), false);
+    if (k !== here) byId("c" + here).classList.remove("large");
+  }
   here = k;
   const card = byId("c" + k);
-  card.classList.add("here");
-  if (before >= 0 && before !== k) showRating(before);
-  showRating(k);
+  mark(card, true);
+  if (!isTyping() && !card.contains(document.activeElement)) card.focus({preventScroll: true});
   if (scroll) card.scrollIntoView({block: "nearest"});
-  history.replaceState(null, "", "#" + ((page - 1) * GALLERY.page + k + 1));
+  if (!matches) history.replaceState(null, "", "#" + rows[k][0]);
 }
 
 function rate(word) {
   if (here < 0) return;
-  const row = rows[here];
+  const row = rows[here][1];
   rated[row[FOLDER]] = [word, row[KEY]];
   if (word === row[RATING]) delete rated[row[FOLDER]];
   try { localStorage.setItem(memory, JSON.stringify(rated)); } catch { /* the download still has them */ }
@@ -136,67 +149,154 @@ function rate(word) {
 }
 
 function step(by) {
-  let k = here + by;
-  while (k >= 0 && k < rows.length && byId("c" + k).hidden) k += by;
-  if (k >= rows.length) return page < pages ? open(page * GALLERY.page + 1) : undefined;
-  if (k < 0) return page > 1 ? open((page - 1) * GALLERY.page) : undefined;
+  const k = here + by;
+  if (k >= rows.length) return page < numPages() ? open(page * GALLERY.page + 1) : choose(rows.length - 1);
+  if (k < 0) return page > 1 ? open((page - 1) * GALLERY.page) : choose(0);
   choose(k);
 }
 
-async function open(place) {
-  place = Math.min(Math.max(1, place || 1), Math.max(1, GALLERY.cases));
-  page = Math.ceil(place / GALLERY.page);
-  const first = (page - 1) * GALLERY.page, file = Math.floor(first / GALLERY.file);
+const columns = () => getComputedStyle(byId("cards")).gridTemplateColumns.split(" ").length;
+
+// [place, row] of the cases from one place on.
+async function rowsFrom(first, count) {
+  const found = [];
+  const placesOf = matches ? matches.slice(first, first + count) :
+    Array.from({length: Math.min(count, GALLERY.cases - first)}, (_, k) => first + k + 1);
+  for (const place of placesOf)
+    found.push([place, (await fileOf(Math.floor((place - 1) / GALLERY.file)))[(place - 1) % GALLERY.file]]);
+  return found;
+}
+
+function tellMissing(error) {
+  byId("cards").replaceChildren(element("p", {className: "notice bad"}, "There is no file " + error.message +
+    "; it lies beside this page, in the folder gallery of the cohort."));
+}
+
+// The page with the n-th of the cases that are shown.
+async function open(n) {
+  n = Math.min(Math.max(1, n || 1), Math.max(1, numShown()));
+  page = Math.ceil(n / GALLERY.page);
+  const first = (page - 1) * GALLERY.page;
   byId("page").value = page;
-  byId("page").max = pages;
-  byId("of").textContent = "of " + pages.toLocaleString("en");
-  let list = [];
+  byId("page").max = numPages();
+  byId("of").textContent = "of " + numPages().toLocaleString("en");
   try {
-    list = await fileOf(file);
+    rows = await rowsFrom(first, GALLERY.page);
   } catch (error) {
-    byId("cards").replaceChildren(element("p", {className: "notice bad"}, "There is no file " + error.message +
-      "; it lies beside this page, in the folder gallery of the cohort."));
-    return;
+    return tellMissing(error);
   }
-  rows = list.slice(first - file * GALLERY.file, first - file * GALLERY.file + GALLERY.page);
   here = -1;
   byId("cards").replaceChildren(...rows.map(cardOf));
   rows.forEach((_, k) => showRating(k));
-  if (rows.length) choose(place - first - 1);
-  if (place === first + 1) scrollTo(0, 0);
+  if (rows.length) choose(n - first - 1);
+  if (n === first + 1) scrollTo(0, 0);
   showCounts();
 }
 
-// Ratings of all files that were taken along, and those of this browser.
-async function download() {
-  const lines = new Map();
-  for (let k = 0; k * GALLERY.file < GALLERY.cases; ++k)
-    for (const row of await fileOf(k)) if (ratingOf(row)) lines.set(row[FOLDER], [ratingOf(row), row[KEY]]);
-  const text = ["patient\tcase_id\trating\tkey"];
-  for (const [folder, [rating, key]] of lines) text.push([...folder.split("/").slice(1), rating, key].join("\t"));
-  const link = element("a", {download: "ratings.tsv", href: URL.createObjectURL(new Blob([text.join("\n") + "\n"]))});
+// Calls visit(place, row) for every case; false once a later filter was set.
+async function visitAll(visit, own = filtering) {
+  const files = Math.ceil(GALLERY.cases / GALLERY.file);
+  for (let k = 0; k < files; ++k) {
+    if (files > 1) byId("counts").textContent = "reading " + (k + 1) + " of " + files;
+    const list = await fileOf(k);
+    if (own !== filtering) return false;
+    list.forEach((row, i) => visit(k * GALLERY.file + i + 1, row));
+  }
+  return true;
+}
+
+async function filter() {
+  const rating = byId("show").value, flag = byId("flag").value, text = byId("find").value.trim().toLowerCase();
+  ++filtering;
+  let found = null;
+  if (rating || flag || text) {
+    found = [];
+    const isAsked = row => (!rating || (ratingOf(row) || "open") === rating) && (!flag || row[FLAGS] >> Number(flag) & 1) &&
+      (!text || (row[FOLDER].slice(3) + " " + row[SESSION] + " " + row[TARGET]).toLowerCase().includes(text));
+    try {
+      if (!await visitAll((place, row) => { if (isAsked(row)) found.push(place); })) return;
+    } catch (error) {
+      return tellMissing(error);
+    }
+  }
+  matches = found;
+  await open(1);
+}
+
+function save(name, lines) {
+  const link = element("a", {download: name, href: URL.createObjectURL(new Blob([lines.join("\n") + "\n"]))});
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
+// Of all that are shown, in their order, with the ratings of this browser; a row for each region.
+async function table() {
+  const lines = ["patient\tcase_id\ttarget\tsession_id\trating\tflags\tregion\tverdict\te_kpa\te_low_kpa\te_high_kpa\tseconds\tfailure"];
+  const cell = value => value === null || value === undefined ? "" : String(value).replace(/[\t\r\n]+/g, " ");
+  const wanted = matches && new Set(matches);
+  await visitAll((place, row) => {
+    if (wanted && !wanted.has(place)) return;
+    const flags = GALLERY.flags.filter((_, k) => row[FLAGS] >> k & 1).join("; ");
+    for (const region of row[REGIONS].length ? row[REGIONS] : [["", "", null, null, null]])
+      lines.push([...row[FOLDER].split("/").slice(1), row[TARGET], row[SESSION], ratingOf(row), flags, ...region, row[SECONDS] || "",
+        row[SENTENCE]].map(cell).join("\t"));
+  });
+  showCounts();
+  save("gallery.tsv", lines);
+}
+
+// Ratings of all files that were taken along, and those of this browser.
+async function download() {
+  const lines = ["patient\tcase_id\trating\tkey"];
+  await visitAll((_, row) => {
+    if (ratingOf(row)) lines.push([...row[FOLDER].split("/").slice(1), ratingOf(row), row[KEY]].join("\t"));
+  });
+  showCounts();
+  save("ratings.tsv", lines);
+}
+
+const toggleLarge = () => { if (here >= 0) byId("c" + here).classList.toggle("large"), choose(here); };
 const keys = {
   ArrowRight: () => step(1), ArrowLeft: () => step(-1), j: () => step(1), k: () => step(-1), n: () => step(1), p: () => step(-1),
+  ArrowDown: () => step(columns()), ArrowUp: () => step(-columns()),
   a: () => { rate("accept"); step(1); }, r: () => { rate("reject"); step(1); }, u: () => { rate("unsure"); step(1); },
-  0: () => rate(""), d: download, Enter: () => { byId("c" + here).classList.toggle("large"); choose(here); },
-  PageDown: () => open(page * GALLERY.page + 1), PageUp: () => open((page - 2) * GALLERY.page + 1),
+  0: () => rate(""), d: download, t: table, Enter: toggleLarge, "/": () => byId("find").select(), f: () => byId("flag").focus(),
+  PageDown: () => page < numPages() && open(page * GALLERY.page + 1), PageUp: () => open((page - 2) * GALLERY.page + 1),
 };
 addEventListener("keydown", event => {
-  const typing = ["INPUT", "SELECT"].includes(event.target.tagName);
+  if (isTyping()) {
+    if (event.key !== "Escape" && (event.key !== "Enter" || event.target.id !== "find")) return;
+    event.preventDefault();
+    event.target.blur();  // what was typed is searched
+    if (here >= 0) choose(here);
+    return;
+  }
   const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-  if (!action || typing || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.key === "Enter" && event.target.tagName === "BUTTON") return;
+  if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "Enter" && ["BUTTON", "A"].includes(event.target.tagName)) return;
   event.preventDefault();
   action();
 });
-addEventListener("hashchange", () => open(Number(location.hash.slice(1))));
+
+GALLERY.flags.forEach((name, k) => {
+  if (GALLERY.counts[k]) byId("flag").append(element("option", {value: String(k)}, name + " (" + GALLERY.counts[k].toLocaleString("en") + ")"));
+});
 byId("back").onclick = keys.PageUp;
 byId("on").onclick = keys.PageDown;
 byId("page").onchange = event => { event.target.blur(); open((Number(event.target.value) - 1) * GALLERY.page + 1); };
-byId("show").onchange = event => { event.target.blur(); rows.forEach((_, k) => showRating(k)); showCounts(); };
+for (const id of ["show", "flag", "find"]) byId(id).onchange = filter;
 byId("download").onclick = download;
-open(Number(location.hash.slice(1)));
+byId("table").onclick = table;
+
+// "#17": the case at that place; "#flag-3": those with that flag.
+function openHash() {
+  const [, flag] = /^#flag-(\d+)$/.exec(location.hash) || [];
+  for (const id of ["show", "find"]) byId(id).value = "";
+  byId("flag").value = flag || "";
+  if (flag) return filter();
+  ++filtering;
+  matches = null;
+  return open(Number(location.hash.slice(1)));
+}
+addEventListener("hashchange", openHash);
+openHash();
