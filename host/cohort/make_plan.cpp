@@ -28,12 +28,12 @@ namespace {
 
 constexpr const char* problems_name = "problems.tsv";
 
-/// Bytes and inodes of a case, and room that is kept.
+/// Bytes (in whole blocks of 4 KiB) and inodes of a case with its share of what a patient has.
 struct Budget {
     double bytes, inodes;
 };
-constexpr Budget budgets[] = {{60e3, 3}, {300e3, 5}, {120e6, 12}};  // table, compact, all
-constexpr double spare = 1.2;
+constexpr Budget budgets[] = {{35e3, 5}, {300e3, 8}, {120e6, 14}};  // table, compact, all
+constexpr double spare = 1.2;                                       // room that is kept
 
 void take_config(const fs::path& path, CohortPlan& plan, fs::path& settings, fs::path& root) {
     const std::string name = path.filename().string();
