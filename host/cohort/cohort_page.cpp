@@ -32,8 +32,8 @@ constexpr const char* page_style =
 std::string counts_table(const CohortStatus& status) {
     std::string rows;
     const auto row = [&](const std::string& name, std::size_t count) {
-        rows +=
-            fmt::format("<tr><th>{}</th><td class='num'>{}</td></tr>", escape_html(name), count);
+        rows += fmt::format("<tr><th>{}</th><td class='num'>{}</td></tr>", escape_html(name),
+                            grouped(count));
     };
     for (const CaseStatus one : {CaseStatus::done, CaseStatus::not_converged, CaseStatus::failed,
                                  CaseStatus::stale, CaseStatus::waiting, CaseStatus::excluded})
@@ -51,7 +51,7 @@ std::string failures_html(const CohortStatus& status) {
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     std::string notes;
     for (std::size_t k = 0; k < std::min(sorted.size(), most_sentences); ++k)
-        notes += fmt::format("<p class='notice'>Failed, {} times: {}</p>", sorted[k].first,
+        notes += fmt::format("<p class='notice'>Failed, {} times: {}</p>", grouped(sorted[k].first),
                              escape_html(sorted[k].second));
     if (sorted.size() > most_sentences)
         notes +=
@@ -69,7 +69,8 @@ std::string flow_table(const ExclusionFlow& flow, std::size_t bad_rows) {
         rows += fmt::format(
             "<tr class='{}'><th>{}</th><td class='num'>{}{}</td><td><i style='width:{:.1f}%'></i>"
             "</td></tr>",
-            kind, escape_html(name), sign, count, all > 0 ? 100.0 * double(left) / all : 0.0);
+            kind, escape_html(name), sign, grouped(count),
+            all > 0 ? 100.0 * double(left) / all : 0.0);
     };
     const auto without = [&](const std::string& name, std::size_t count) {
         left -= count;
@@ -89,7 +90,7 @@ std::string flags_table(const Gallery& gallery) {
         if (counts[k] > 0)
             rows += fmt::format(
                 "<tr><th><a href='gallery.html#flag-{}'>{}</a></th><td class='num'>{}</td></tr>", k,
-                escape_html(name_of(static_cast<CaseFlag>(k))), counts[k]);
+                escape_html(name_of(static_cast<CaseFlag>(k))), grouped(counts[k]));
     if (rows.empty()) return "<p>No case has a flag.</p>";
     return "<div class='scroll'><table class='narrow'><tbody>" + rows + "</tbody></table></div>";
 }
@@ -213,8 +214,9 @@ std::string cohort_page(const CohortView& view) {
     return page_html(
         {.kind = "Stiffness of a cohort",
          .version = version_text(),
-         .headline = fmt::format("{} of {} pairs have a result", with_result, cases),
-         .lead = fmt::format("<p class='summary'>{} patient{}.</p>{}", status.patients,
+         .headline =
+             fmt::format("{} of {} pairs have a result", grouped(with_result), grouped(cases)),
+         .lead = fmt::format("<p class='summary'>{} patient{}.</p>{}", grouped(status.patients),
                              status.patients == 1 ? "" : "s", doors),
          .main = section_html("counts", "Where the pairs are",
                               "<div class='columns'><div>" +

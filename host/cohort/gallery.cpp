@@ -13,6 +13,7 @@
 #include "host/cohort/ratings.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/page/markup.hpp"
+#include "host/page/numbers.hpp"
 #include "host/page/page.hpp"
 #include "host/system/version.hpp"
 
@@ -124,16 +125,17 @@ void Gallery::write(const std::filesystem::path& cohort,
                     {"file", cards_a_file},          {"flags", flags},
                     {"counts", flag_counts()},       {"low", number_json(low_kpa_)},
                     {"high", number_json(high_kpa_)}};
-    replace_text(cohort / "gallery.html",
-                 page_html({.kind = "Gallery of a cohort",
-                            .version = version_text(),
-                            .headline = fmt::format("{} cases, the worst first", cases_.size()),
-                            .lead = std::string(gallery_help_html()),
-                            .main = std::string(gallery_body_html()),
-                            .style = std::string(gallery_css()),
-                            .scripts = fmt::format("const GALLERY = {};\n{}",
-                                                   script_json(dumped(head)), gallery_js()),
-                            .takes_files_beside = true}));
+    replace_text(
+        cohort / "gallery.html",
+        page_html({.kind = "Gallery of a cohort",
+                   .version = version_text(),
+                   .headline = fmt::format("{} cases, the worst first", grouped(cases_.size())),
+                   .lead = std::string(gallery_help_html()),
+                   .main = std::string(gallery_body_html()),
+                   .style = std::string(gallery_css()),
+                   .scripts = fmt::format("const GALLERY = {};\n{}", script_json(dumped(head)),
+                                          gallery_js()),
+                   .takes_files_beside = true}));
 }
 
 }  // namespace palpate

@@ -28,4 +28,10 @@ std::string significant(double value) {
     return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 5));
 }
 
+std::string grouped(std::size_t count) {
+    std::string text = std::to_string(count);
+    for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, ",");
+    return text;
+}
+
 }  // namespace palpate

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace palpate {
@@ -11,7 +12,9 @@ namespace palpate {
 std::string significant(double value);
 /// A number with fixed decimals; "n/a" if it is not finite.
 std::string decimals(double value, int digits);
-/// The same for a table, with a dash for what does not exist.
+/// A count with a comma every three digits: "1,000,000".
+std::string grouped(std::size_t count);
+/// `decimals` for a table, with a dash for what does not exist.
 std::string decimals_or_dash(double value, int digits);
 
 }  // namespace palpate

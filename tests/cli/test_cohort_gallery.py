@@ -141,4 +141,4 @@ def test_everything_has_a_name_and_one_card_is_in_the_order_of_tab(collected):
     """)
     assert told["number"] > 20 and told["nameless"] == []
     assert told["order"] == ["c0", "Accept", "Reject", "Unsure"] and told["later"] == ["c1", "Accept", "Reject", "Unsure"]
-    assert told["bar"] == "test stub: 50.0 kPa (41.0 to 61.0), recovered" and "this page: 0 accept" in told["status"]
+    assert told["bar"] == "test stub: 50.0 kPa (41.0 to 61.0), recovered" and told["status"] == "this page: none rated"

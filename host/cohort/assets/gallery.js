@@ -107,9 +107,10 @@ function showRating(k) {
 function showCounts() {
   const count = Object.fromEntries(RATINGS.map(word => [word, 0]));
   for (const [, row] of rows) if (ratingOf(row)) ++count[ratingOf(row)];
-  byId("counts").textContent = (matches ? matches.length.toLocaleString("en") + " shown; " : "") + "this page: " +
-    RATINGS.map(word => count[word] + " " + word).join(", ") + "; in this browser: " +
-    Object.values(rated).filter(own => own[0]).length + " rated";
+  const words = RATINGS.filter(word => count[word]).map(word => count[word] + " " + word).join(", ") || "none rated";
+  const own = Object.values(rated).filter(([word]) => word).length;
+  byId("counts").textContent = (matches ? matches.length.toLocaleString("en") + " shown; " : "") + "this page: " + words +
+    (own ? "; in this browser: " + own + " rated" : "");
   byId("nothing").hidden = rows.length > 0;
 }
 

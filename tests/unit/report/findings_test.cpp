@@ -11,6 +11,14 @@
 namespace palpate {
 namespace {
 
+TEST(Numbers, CountsHaveACommaEveryThreeDigits) {
+    EXPECT_EQ(grouped(0), "0");
+    EXPECT_EQ(grouped(999), "999");
+    EXPECT_EQ(grouped(1000), "1,000");
+    EXPECT_EQ(grouped(100000), "100,000");
+    EXPECT_EQ(grouped(1234567), "1,234,567");
+}
+
 TEST(Significant, KeepsThreeDigitsWithoutExponentInTheUsualRange) {
     EXPECT_EQ(significant(83.24), "83.2");
     EXPECT_EQ(significant(9.999), "10.0");
