@@ -36,8 +36,9 @@ private:
         std::uint64_t name = 0;  ///< hash of patient and case
         std::uint64_t inode = 0;
         std::string_view line;  ///< after the inode
+        /// By inode first: cases of a patient lie side by side, as they are asked for.
         bool operator<(const Entry& other) const {
-            return name != other.name ? name < other.name : inode < other.inode;
+            return inode != other.inode ? inode < other.inode : name < other.name;
         }
     };
     void map(const std::filesystem::path& file);

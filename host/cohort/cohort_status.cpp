@@ -4,7 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <future>
 #include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
 
 #include "host/cohort/case_states.hpp"
 #include "host/cohort/claim.hpp"
@@ -17,6 +21,33 @@ namespace {
 constexpr CaseStatus all_status[] = {CaseStatus::done,    CaseStatus::not_converged,
                                      CaseStatus::failed,  CaseStatus::stale,
                                      CaseStatus::waiting, CaseStatus::excluded};
+
+constexpr std::size_t fewest_a_thread = 500;  // patients
+
+/// Of the patients `first` up to `end`.
+CohortStatus counts_of(const CohortFolder& folder, const PlanFile& plan, const CaseStates& all,
+                       std::size_t first, std::size_t end) {
+    CohortStatus status;
+    for (std::size_t p = first; p < end; ++p) {
+        const CohortPatient patient = plan.patient(p);
+        const std::vector<CaseState> states = all.of(patient, false);
+        bool is_whole = true;
+        for (std::size_t k = 0; k < states.size(); ++k) {
+            add_to(status, patient.cases[k], states[k]);
+            is_whole &=
+                states[k].status != CaseStatus::waiting && states[k].status != CaseStatus::stale;
+        }
+        if (!is_whole && Claim::is_held(folder.claim_file(patient))) ++status.in_work;
+    }
+    return status;
+}
+
+void add_counts(CohortStatus& sum, const CohortStatus& part) {
+    for (std::size_t k = 0; k < sum.counts.size(); ++k) sum.counts[k] += part.counts[k];
+    sum.in_work += part.in_work;
+    for (const auto& [reason, times] : part.excluded_for) sum.excluded_for[reason] += times;
+    for (const auto& [sentence, times] : part.failed_with) sum.failed_with[sentence] += times;
+}
 
 }  // namespace
 
@@ -40,17 +71,17 @@ CohortStatus cohort_status(const std::filesystem::path& path) {
     CohortStatus status;
     status.patients = plan.num_patients();
     status.bad_rows_left_out = plan.head().num_bad_rows;
-    for (std::size_t p = 0; p < plan.num_patients(); ++p) {
-        const CohortPatient patient = plan.patient(p);
-        const std::vector<CaseState> states = all.of(patient, false);
-        bool is_whole = true;
-        for (std::size_t k = 0; k < states.size(); ++k) {
-            add_to(status, patient.cases[k], states[k]);
-            is_whole &=
-                states[k].status != CaseStatus::waiting && states[k].status != CaseStatus::stale;
-        }
-        if (!is_whole && Claim::is_held(folder.claim_file(patient))) ++status.in_work;
-    }
+    const std::size_t parts =
+        std::clamp<std::size_t>(plan.num_patients() / fewest_a_thread, 1,
+                                std::max(1u, std::thread::hardware_concurrency()));
+    std::vector<std::future<CohortStatus>> counted;
+    for (std::size_t part = 0; part < parts; ++part)
+        counted.push_back(
+            std::async(parts > 1 ? std::launch::async : std::launch::deferred, [&, part] {
+                return counts_of(folder, plan, all, plan.num_patients() * part / parts,
+                                 plan.num_patients() * (part + 1) / parts);
+            }));
+    for (std::future<CohortStatus>& part : counted) add_counts(status, part.get());
     return status;
 }
 

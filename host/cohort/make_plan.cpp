@@ -93,17 +93,7 @@ public:
             throw Error(ErrorCode::input_unreadable,
                         fmt::format("{}: its name ends neither in .tsv nor in .csv",
                                     request_.table.string()));
-        const std::string text = text_of_file(request_.table);
-        const double lines = 1 + double(std::count(text.begin(), text.end(), '\n'));
-        const fs::path beside = fs::absolute(request_.table).parent_path();
-        std::vector<TableFault> of_form = for_each_plan_row(
-            text, {is_csv ? ',' : '\t'}, root.empty() ? beside : fs::absolute(root),
-            [&](const PlanRequestRow& row) {
-                report_progress(progress_, "checking", double(row.line) / lines,
-                                fmt::format("line {} of {:.0f}", row.line, lines));
-                take(row, settings, beside);
-            });
-        out_.faults.insert(out_.faults.end(), of_form.begin(), of_form.end());
+        take_rows({is_csv ? ',' : '\t'}, settings, root);
         name_and_hash();
         std::stable_sort(out_.faults.begin(), out_.faults.end(),
                          [](const auto& a, const auto& b) { return a.line < b.line; });
@@ -116,6 +106,21 @@ public:
     const FileChecks& files() const { return files_; }
 
 private:
+    /// The text of the table is gone afterwards.
+    void take_rows(const DelimitedFormat& format, const fs::path& settings, const fs::path& root) {
+        const std::string text = text_of_file(request_.table);
+        const double lines = 1 + double(std::count(text.begin(), text.end(), '\n'));
+        const fs::path beside = fs::absolute(request_.table).parent_path();
+        const std::vector<TableFault> of_form = for_each_plan_row(
+            text, format, root.empty() ? beside : fs::absolute(root),
+            [&](const PlanRequestRow& row) {
+                report_progress(progress_, "checking", double(row.line) / lines,
+                                fmt::format("line {} of {:.0f}", row.line, lines));
+                take(row, settings, beside);
+            });
+        out_.faults.insert(out_.faults.end(), of_form.begin(), of_form.end());
+    }
+
     void refuse(const PlanRequestRow& row, const char* column, const std::string& why) {
         out_.faults.push_back({row.line, column, why});
         is_good_ = false;
@@ -223,6 +228,7 @@ private:
             patient.reference_name = fmt::format("ref-{:02}", number);
             patient.id = patient.participant_id;
             if (number > 1) patient.id += "_" + patient.reference_name;
+            patient.cases.shrink_to_fit();  // of a million cases the spare room is 100 MB
             name_cases(patient);
             hash(patient);
         }
