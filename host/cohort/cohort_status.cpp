@@ -22,7 +22,7 @@ constexpr CaseStatus all_status[] = {CaseStatus::done,    CaseStatus::not_conver
                                      CaseStatus::failed,  CaseStatus::stale,
                                      CaseStatus::waiting, CaseStatus::excluded};
 
-constexpr std::size_t fewest_a_thread = 500;  // patients
+constexpr std::size_t fewest_a_thread = 100;  // patients
 
 /// Of the patients `first` up to `end`.
 CohortStatus counts_of(const CohortFolder& folder, const PlanFile& plan, const CaseStates& all,

@@ -5,7 +5,7 @@ import csv
 import random
 import re
 
-from tests.cli.test_cohort import LIMITS, SETTINGS, rows_of, run, write_volume
+from tests.cli.test_cohort import LIMITS, SETTINGS, rows_of, run, status, write_volume
 from tests.conftest import run_palpate
 
 ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]{0,31}", re.ASCII)
@@ -56,6 +56,9 @@ def test_a_thousand_odd_ids_are_kept_or_refused(tmp_path):
     some = good[::40]
     finished = run(cohort, "--only", *some)
     assert finished.returncode == 0, finished.stderr
+    code, counts = status(cohort)  # several threads count so many patients
+    assert code == 9 and counts["patients"] == len(good) and counts["in_work"] == 0
+    assert counts["cases"]["done"] == len(some) and counts["cases"]["waiting"] == len(good) - len(some)
     collected = run_palpate("cohort", "collect", cohort)
     assert collected.returncode == 0, collected.stderr
     rows = rows_of(cohort / "pairs.tsv")
