@@ -23,6 +23,7 @@ constexpr std::array<FlagTerms, num_case_flags> terms{{{"failed", 0},
                                                        {"overlap below 0.95", 14},
                                                        {"unlike the patient's other pairs", 12},
                                                        {"volume of an organ changed", 10},
+                                                       {"images contradict what was expected", 8},
                                                        {"not identifiable", 6},
                                                        {"cut by the image", 5},
                                                        {"second mesher", 3},
@@ -80,6 +81,7 @@ CaseFlags flags_of_result(const RecoveryResult& result) {
     for (const RegionResult& region : result.regions) {
         if (!region.hollow && region.jacobian_range[0] <= 0) flags.add(CaseFlag::folded);
         if (!region.unknown) continue;
+        if (region.contradicts_prior) flags.add(CaseFlag::contradicts_prior);
         if (region.verdict == Verdict::weak) flags.add(CaseFlag::weak);
         if (region.verdict == Verdict::not_identifiable) flags.add(CaseFlag::not_identifiable);
     }

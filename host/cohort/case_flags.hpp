@@ -22,13 +22,14 @@ enum class CaseFlag : std::uint8_t {
     low_overlap,        ///< Dice below 0.95 after the deformation
     unlike_the_others,  ///< ln E more than 3.5 robust z from the patient's other pairs
     volume_changed,     ///< an organ's volume differs by more than 30 % between the images
+    contradicts_prior,  ///< the images say what was hardly expected beforehand
     not_identifiable,
     cut_by_image,
     other_mesher,  ///< the first mesher failed
     weak,
     slow,  ///< more than 3 times the median of the cohort
 };
-inline constexpr std::size_t num_case_flags = 13;
+inline constexpr std::size_t num_case_flags = 14;
 
 /// A set of flags: bit k for flag k.
 class CaseFlags {

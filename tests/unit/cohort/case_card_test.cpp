@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/apps/recover/result/recovery_result.hpp"
 #include "host/cohort/case_flags.hpp"
 
 namespace palpate {
@@ -69,6 +70,18 @@ TEST(CaseFlags, AreWorseTheGraverTheyAre) {
     EXPECT_GT(badness(folded), badness(weak));
     EXPECT_GT(badness(weak), badness({}));
     EXPECT_LT(badness(failed), badness({}));  // there is no picture of it
+}
+
+TEST(CaseFlags, SayThatImagesContradictWhatWasExpected) {
+    RecoveryResult result;
+    result.displacement_field.grid.spacing = {1, 1, 1};
+    result.termination.converged = true;
+    result.regions.resize(1);
+    result.regions[0].unknown = true;
+    result.regions[0].verdict = Verdict::weak;
+    EXPECT_FALSE(flags_of_result(result).has(CaseFlag::contradicts_prior));
+    result.regions[0].contradicts_prior = true;
+    EXPECT_TRUE(flags_of_result(result).has(CaseFlag::contradicts_prior));
 }
 
 TEST(CaseFlags, FindTheOneUnlikeTheOthers) {
