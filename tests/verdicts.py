@@ -9,7 +9,7 @@ def verdict_that_follows(region):
     low, high = region["interval_kpa"]
     words = region["reason"].split()
     contradicts = region["contradicts_prior"]
-    assert contradicts == region["reason"].startswith("taken at their word the images say"), region
+    assert contradicts == region["reason"].startswith("the search ended at"), region
     if contradicts:
         if region["sd_ln_stiffness"] <= 0.8:  # two thirds of the prior's 1.2
             return "weak"

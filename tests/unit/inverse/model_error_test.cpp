@@ -95,7 +95,7 @@ TEST(MisledData, WhatIsExpectedIsNotDoubted) {
 
 TEST(MisledData, FarFromThePriorTheIntervalReachesBackToIt) {
     // palpate phantom pelvis --seed 79801 of 56 kPa, slices of 3 mm: 3,800 [1,350, 13,900] kPa
-    const auto [known, probability, data_kpa] = doubted({3800, {1350, 13900}, 0.6});
+    const auto [known, probability] = doubted({3800, {1350, 13900}, 0.6});
 
     EXPECT_NEAR(probability, 0.4, 0.1);
     EXPECT_LT(known.interval_kpa[0], 56);
@@ -103,7 +103,6 @@ TEST(MisledData, FarFromThePriorTheIntervalReachesBackToIt) {
     EXPECT_LT(known.interval_kpa[1], 13900);
     EXPECT_GT(known.sd_ln, 1.2 * 2 / 3);
     EXPECT_LT(known.kpa, 3800);
-    EXPECT_GT(data_kpa, 3800);
 }
 
 TEST(MisledData, TheSharperTheDataTheFartherOffTheyAreBelieved) {
@@ -114,7 +113,7 @@ TEST(MisledData, TheSharperTheDataTheFartherOffTheyAreBelieved) {
 
 TEST(MisledData, TheIntervalHasTwoAndAHalfPercentOfTheMixtureBeyondEitherEnd) {
     const double prior_mean = std::log(100.0);
-    const auto [known, w, data_kpa] = doubted(normal_modulus(2500, 0.5));
+    const auto [known, w] = doubted(normal_modulus(2500, 0.5));
     ASSERT_GT(w, 0.03);
 
     // Bayes on a grid, the likelihood a mixture of two normal densities of the data
@@ -136,7 +135,6 @@ TEST(MisledData, TheIntervalHasTwoAndAHalfPercentOfTheMixtureBeyondEitherEnd) {
     EXPECT_NEAR(below / all, 0.025, 2e-4);
     EXPECT_NEAR(above / all, 0.025, 2e-4);
     EXPECT_NEAR(std::log(known.kpa), first / all, 1e-3);
-    EXPECT_NEAR(std::log(data_kpa), data, 1e-9);
 }
 
 TEST(MisledData, DataThatTellNothingContradictNothing) {

@@ -16,11 +16,18 @@ UnknownEvidence general_evidence(const ModulusEvidence& evidence) {
             evidence.excludes_stiff};
 }
 
+/// Three digits that count, without an exponent: "0.52", "1350".
+std::string kpa_text(double kpa) {
+    const double unit = std::pow(10.0, std::floor(std::log10(kpa)) - 2);
+    return kpa < 1000 ? fmt::format("{:.3g}", kpa)
+                      : fmt::format("{:.0f}", std::round(kpa / unit) * unit);
+}
+
 /// What else there is to know of a modulus.
 std::string further_text(const ModulusEvidence& evidence) {
     std::string others;
     for (const double kpa : evidence.other_kpa)
-        others += fmt::format("{}{:.3g}", others.empty() ? "" : " and ", kpa);
+        others += (others.empty() ? "" : " and ") + kpa_text(kpa);
     if (!others.empty())
         others = fmt::format(
             "; there is more than one answer: searches that began elsewhere ended at {} kPa",
@@ -37,11 +44,11 @@ Judgement judge_contradiction(const ModulusEvidence& evidence) {
     const Contradiction& found = *evidence.contradiction;
     const bool tells = case_of(general_evidence(evidence)) != EvidenceCase::unseen;
     return {tells ? Verdict::weak : Verdict::not_identifiable,
-            fmt::format("taken at their word the images say {:.3g} kPa, far {} than was assumed "
-                        "beforehand; with a probability of {:.0f} % something else than stiffness "
-                        "has moved the contours: look at the distances after the search, and if "
-                        "such tissue is expected, widen what is assumed beforehand{}",
-                        found.data_kpa, found.is_stiffer ? "stiffer" : "softer",
+            fmt::format("the search ended at {} kPa, far {} than was assumed beforehand; with a "
+                        "probability of {:.0f} % something else than stiffness has moved the "
+                        "contours: look at the distances after the search, and if such tissue is "
+                        "expected, widen what is assumed beforehand{}",
+                        kpa_text(found.end_kpa), found.is_stiffer ? "stiffer" : "softer",
                         100 * found.probability, further_text(evidence))};
 }
 
@@ -59,15 +66,15 @@ Judgement judge_unseen(const ModulusEvidence& evidence) {
 Judgement judge_one_sided(const ModulusEvidence& evidence, EvidenceCase which) {
     if (which == EvidenceCase::lower_bound_only) {
         return {Verdict::weak,
-                fmt::format("only a lower bound is known, {:.3g} kPa: anything stiffer moves "
+                fmt::format("only a lower bound is known, {} kPa: anything stiffer moves "
                             "almost as a rigid body, and no image can tell how stiff; the upper "
                             "end comes from what was assumed beforehand{}",
-                            evidence.interval_kpa[0], further_text(evidence))};
+                            kpa_text(evidence.interval_kpa[0]), further_text(evidence))};
     }
     return {Verdict::weak,
-            fmt::format("only an upper bound is known, {:.3g} kPa: anything softer fits "
+            fmt::format("only an upper bound is known, {} kPa: anything softer fits "
                         "as well; the lower end comes from what was assumed beforehand{}",
-                        evidence.interval_kpa[1], further_text(evidence))};
+                        kpa_text(evidence.interval_kpa[1]), further_text(evidence))};
 }
 
 bool holds(const ModulusEvidence& evidence, double kpa) {

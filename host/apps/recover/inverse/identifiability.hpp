@@ -15,7 +15,7 @@ namespace palpate {
 /// Images that say what was hardly expected beforehand (with_misled_data).
 struct Contradiction {
     double probability = 0;   ///< that something else than stiffness has moved the contours
-    double data_kpa = 0;      ///< what the images say, taken at their word
+    double end_kpa = 0;       ///< where the search has ended
     bool is_stiffer = false;  ///< than was assumed
 };
 

@@ -129,7 +129,7 @@ std::optional<DoubtedModulus> with_misled_data(const KnownModulus& found, double
                              {std::exp(quantile(usual, misled, w, tail)),
                               std::exp(quantile(usual, misled, w, 1 - tail))},
                              std::sqrt(variance)};
-    return DoubtedModulus{known, w, std::exp(data)};
+    return DoubtedModulus{known, w};
 }
 
 }  // namespace palpate

@@ -74,7 +74,6 @@ constexpr double contradiction_probability = 0.1;
 struct DoubtedModulus {
     KnownModulus known;
     double misled_probability = 0;  ///< that they have
-    double data_kpa = 0;            ///< what the data alone say
 };
 
 /// `found`, whose prior of ln E is `prior`, if images mislead now and then: with d and v the mean

@@ -47,8 +47,8 @@ void doubt(ModulusAnswer& answer, const Unknown& prior) {
     const auto doubted = with_misled_data({answer.kpa, evidence.interval_kpa, evidence.sd_ln},
                                           answer.believed_sd_ln, prior);
     if (!doubted || doubted->misled_probability < contradiction_probability) return;
-    const auto& [known, probability, data_kpa] = *doubted;
-    evidence.contradiction = {probability, data_kpa, std::log(data_kpa) > prior.mean};
+    const auto& [known, probability] = *doubted;
+    evidence.contradiction = {probability, answer.end_kpa, std::log(answer.end_kpa) > prior.mean};
     evidence.interval_kpa = known.interval_kpa;
     evidence.sd_ln = known.sd_ln;
     answer.kpa = known.kpa;

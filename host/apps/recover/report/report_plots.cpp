@@ -69,12 +69,12 @@ std::string profile_figure(const RecoveryResult& result, const ProfileResult& p)
     plot.horizontal_rule(objective_at_95_percent, "1.92: 95 %");
     plot.curve(p.stiffness_kpa, p.objective, colour, true);
     const char* shade = has_number
-                            ? "Line and shade: the modulus that is told and its 95 % interval"
-                            : "Shade: the 95 % interval";
+                            ? "Line and shade: the modulus that is told and its 95 % interval, for "
+                              "which the images are believed less than the curve does."
+                            : "Shade: what the modulus may be, whatever the curve says.";
     return figure(plot.svg("Profile of the objective over the modulus of " + name),
                   fmt::format("{}: objective over E, everything else fitted again, lowest at the "
-                              "most probable E. {}, for which the images are believed less than "
-                              "the curve does.",
+                              "most probable E. {}",
                               name, shade));
 }
 
