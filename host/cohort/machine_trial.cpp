@@ -13,10 +13,24 @@
 namespace palpate {
 namespace {
 
+constexpr std::chrono::seconds seconds_between_trials{3};
+constexpr int most_without_word = 3;
+
 /// The last line that is not empty.
 std::string last_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
     return text.substr(text.rfind('\n') + 1);
+}
+
+/// Ended from outside, or by what it reads and writes: nothing of the machine's own.
+bool says_nothing(const ChildEnd& end) {
+    if (end.signal != 0)
+        return end.signal == SIGKILL || end.signal == SIGTERM || end.signal == SIGINT;
+    for (const ErrorCode code :
+         {ErrorCode::invalid_argument, ErrorCode::input_unreadable, ErrorCode::input_unusable,
+          ErrorCode::time_limit, ErrorCode::output_failed})
+        if (end.exit_code == exit_code_of(code)) return true;
+    return false;
 }
 
 }  // namespace
@@ -40,7 +54,7 @@ std::size_t MachineTrial::ask() {
 void MachineTrial::watch() {
     if (failure_) return;
     if (!child_) {
-        if (passed_ == asked_) return;
+        if (passed_ == asked_ || Clock::now() < not_before_) return;
         begun_ = asked_;
         begin_ = Clock::now();
         is_late_ = false;
@@ -59,10 +73,21 @@ void MachineTrial::watch() {
     if (end->exit_code == 0) {
         passed_ = begun_;
         has_failed_once_ = false;
+        num_without_word_ = 0;
+    } else if (!is_late_ && says_nothing(*end)) {
+        not_before_ = Clock::now() + seconds_between_trials;
+        if (++num_without_word_ == most_without_word) {
+            passed_ = begun_;
+            num_without_word_ = 0;
+        }
     } else if (std::exchange(has_failed_once_, true)) {
         failure_ = why_failed(*end);
     }
     child_.reset();
+}
+
+void MachineTrial::stop() const {
+    if (child_) child_->signal_group(SIGTERM);
 }
 
 std::string MachineTrial::why_failed(const ChildEnd& end) const {

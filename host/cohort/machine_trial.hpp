@@ -28,8 +28,12 @@ public:
     std::size_t ask();
     /// Begins what was asked for, looks at what runs. Call it often.
     void watch();
+    /// Asks the process to end: the runner stops.
+    void stop() const;
     bool is_passed(std::size_t trial) const { return trial <= passed_; }
-    /// In words, once two trials in a row have failed: one may have been ended from outside.
+    /// In words, once two trials in a row have failed. Those that were ended from outside, or could
+    /// not read or write, say nothing: after three of them, some seconds apart, the machine counts
+    /// as good.
     const std::optional<std::string>& failure() const { return failure_; }
 
 private:
@@ -39,9 +43,10 @@ private:
     std::filesystem::path program_, cohort_;
     double limit_s_;
     std::unique_ptr<SupervisedChild> child_;
-    Clock::time_point begin_ = {};
+    Clock::time_point begin_ = {}, not_before_ = {};
     bool is_late_ = false, has_failed_once_ = false;
     std::size_t asked_ = 0, begun_ = 0, passed_ = 0;
+    int num_without_word_ = 0;
     std::optional<std::string> failure_;
 };
 

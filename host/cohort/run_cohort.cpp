@@ -36,7 +36,7 @@ namespace {
 
 using Clock = PatientInWork::Clock;
 constexpr int tick_ms = 100, most_device_failures = 3;  // of different patients in a row
-constexpr double seconds_between_claims = 0.5, least_trial_s = 60;
+constexpr double seconds_between_claims = 0.5, least_trial_s = 60, most_trial_s = 600;
 constexpr double least_free_bytes = 64e6;
 
 double seconds_since(Clock::time_point then) {
@@ -53,7 +53,8 @@ public:
           plan_(options.folder),
           limit_s_(limit_s(plan_.head())),
           journal_(folder_),
-          trial_(options.program, fs::absolute(options.folder), std::max(least_trial_s, limit_s_)) {
+          trial_(options.program, fs::absolute(options.folder),
+                 std::clamp(limit_s_, least_trial_s, most_trial_s)) {
         // The journals are worth reading only by who needs most of them.
         std::optional<CaseStates> all;
         if (options.shard.count == 1) all.emplace(folder_);
@@ -160,6 +161,7 @@ private:
     void stop_children() {
         for (const PatientInWork& work : in_work_)
             if (work.child) work.child->signal_group(SIGTERM);
+        trial_.stop();
         const auto begin = Clock::now();
         while (!in_work_.empty() && seconds_since(begin) < 0.8) {
             for (auto at = in_work_.begin(); at != in_work_.end();) {
@@ -247,7 +249,7 @@ private:
         std::vector<pollfd> ends;
         for (const PatientInWork& work : in_work_)
             for (const int end : {work.child->output(), work.child->errors()})
-                if (end >= 0) ends.push_back({end, POLLIN, 0});
+                if (end >= 0 && !work.has_ended) ends.push_back({end, POLLIN, 0});
         ::poll(ends.data(), ends.size(), tick_ms);
     }
 
@@ -288,11 +290,16 @@ private:
     void note_event(PatientInWork& work, const PatientEvent& event) {
         if (event.code == exit_code_of(ErrorCode::output_failed))
             output_failure_ = event.sentence;
-        else if (may_be_of_machine(event.code))
+        else if (may_be_of_machine(event.code) || is_late(event))
             work.faults.push_back({event.case_id, event.code, event.sentence});
         else if (event.code != exit_code_of(ErrorCode::cancelled) || !is_interrupted())
             note_failure(work, event.case_id, event.code, event.sentence);
         if (event.case_id == work.current) work.current.clear();
+    }
+
+    /// Something that palpate waited for took too long: what hangs may be the machine.
+    bool is_late(const PatientEvent& event) const {
+        return event.code == exit_code_of(ErrorCode::time_limit) && !is_interrupted();
     }
 
     void note_failure(PatientInWork& work, const std::string& case_id, int code,

@@ -55,6 +55,9 @@ void recover_tiny_phantom(const std::filesystem::path& cohort, const ProgressSin
     RecoverOptions options = recover_options_of(values, parse_settings(organs, "tiny phantom"));
     options.mesher.num_nodes = few_nodes;
     options.method = SearchMethod::map;
+    // So few nodes would be solved for on the host, without the device that is to be tried.
+    if (options.solver.method == LinearMethod::automatic)
+        options.solver.method = LinearMethod::multigrid;
     const auto [reference, target] = tiny_phantom();
     recover(reference, target, options, progress);
 }

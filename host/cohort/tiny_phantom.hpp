@@ -16,8 +16,9 @@ namespace palpate {
 std::array<Segmentation, 2> tiny_phantom();
 
 /// Recovers it with the options of a cohort, from no file of it but the plan: on the same back end
-/// and device, with the same mesher and law. Throws what recovering throws: where it does, no case
-/// can be recovered either. Not converging is no error. Takes some seconds.
+/// and device (by multigrid, unless they name a solver), with the same mesher and law. Throws what
+/// recovering throws: where it does, no case can be recovered either. Not converging is no error.
+/// Takes some seconds.
 void recover_tiny_phantom(const std::filesystem::path& cohort, const ProgressSink& progress);
 
 }  // namespace palpate

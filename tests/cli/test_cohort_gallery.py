@@ -94,6 +94,27 @@ def test_keys_choose_rate_and_leave_the_filter(collected):
     assert told["typed"] == "" and told["unsure"] == "unsure"
 
 
+def test_a_key_that_is_held_down_rates_nothing_further(collected):
+    told = in_browser(collected, """
+      for (let k = 0; k < 3; ++k)
+        document.activeElement.dispatchEvent(new KeyboardEvent("keydown", {key: "a", bubbles: true, repeat: k > 0}));
+      told.rated = [...document.querySelectorAll(".case")].map(card => card.dataset.rating);
+    """)
+    assert told["rated"] == ["accept", "", "", ""]
+
+
+def test_the_table_has_no_formulas_and_no_open_quotes(collected):
+    told = in_browser(collected, """
+      const row = (await fileOf(0))[0];
+      row[REGIONS] = [["=1+1", "weak", 20, 10, 40], ['a "ball"', "weak", 20, 10, 40]];
+      row[SENTENCE] = "-a\\tb";
+      await key("t");
+    """)
+    table, = told["texts"]
+    first, second = [line.split("\t") for line in table.splitlines()[1:3]]
+    assert first[6] == "'=1+1" and second[6] == '"a ""ball"""' and first[-1] == "'-a b" and first[8] == "20"
+
+
 def test_filters_look_at_all_pages_and_the_table_has_what_they_show(collected):
     told = in_browser(collected, """
       await key("ArrowRight"); await key("a");

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cohorts on a machine that is broken as a whole: every process of a case crashes there, and so does the tiny phantom that
 a runner tries then. No case may be blamed for it."""
+import contextlib
 import json
 import os
 import signal
@@ -55,13 +56,13 @@ def test_a_machine_that_breaks_while_it_runs_keeps_what_it_did(tmp_path):
 
 
 def test_two_machines_of_which_one_is_broken_do_everything(tmp_path):
-    cohort = plan(tmp_path, patients=12, cases=1, seconds=0.2)
+    cohort = plan(tmp_path, patients=40, cases=1, seconds=0.2)
     good = started(cohort)
     wait_until(lambda: children_of(good.pid))
     bad = run_in(broken(tmp_path, signal.SIGILL), cohort)
     good.communicate(timeout=100)
     assert bad.returncode == 8 and good.returncode == 0
-    assert status(cohort)[1]["cases"]["done"] == 12
+    assert status(cohort)[1]["cases"]["done"] == 40
 
 
 def test_a_case_that_crashes_where_the_phantom_does_not_is_to_blame(tmp_path):
@@ -82,14 +83,25 @@ def test_a_trial_that_fails_once_is_tried_again(tmp_path):
 
     def kill_trial():
         for child in children_of(driver.pid) if driver.poll() is None else []:
-            if b"trial" in open(f"/proc/{child}/cmdline", "rb").read().split(b"\0"):
-                os.kill(child, signal.SIGKILL)
-                killed.append(child)
+            with contextlib.suppress(OSError):  # a patient's process that has ended meanwhile
+                if b"trial" in open(f"/proc/{child}/cmdline", "rb").read().split(b"\0"):
+                    os.kill(child, signal.SIGKILL)
+                    killed.append(child)
         return killed
 
-    wait_until(kill_trial)
+    wait_until(kill_trial, 100)
     driver.communicate(timeout=100)
     assert driver.returncode == 0 and status(cohort)[1]["cases"]["done"] == 1
+
+
+def test_trials_that_are_ended_from_outside_say_nothing(tmp_path):
+    """As when memory is short: the case counts as where there is no trial."""
+    cohort = plan(tmp_path, ids=("crash", "good"), seconds=0)
+    finished = run_in(broken(tmp_path, signal.SIGKILL, words=" trial "), cohort)
+    assert finished.returncode == 7, finished.stderr
+    counts = status(cohort)[1]["cases"]
+    assert counts["done"] == 1 and counts["failed"] == 1
+    assert (tmp_path / "count").stat().st_size >= 3
 
 
 def test_kill_9_is_not_the_machine(tmp_path):

@@ -8,7 +8,7 @@ const byId = id => document.getElementById(id);
 const files = new Map();
 const memory = "palpate ratings " + location.pathname;
 // matches: places of the cases that are asked for, in order; null: all. rows: [place, row] of the page.
-let rated = {}, page = 1, rows = [], here = -1, matches = null, filtering = 0;
+let rated = {}, page = 1, rows = [], here = -1, matches = null, filtering = 0, opening = 0;
 
 try { rated = JSON.parse(localStorage.getItem(memory)) || {}; } catch { rated = {}; }
 
@@ -181,11 +181,17 @@ async function open(n) {
   byId("page").value = page;
   byId("page").max = numPages();
   byId("of").textContent = "of " + numPages().toLocaleString("en");
+  const own = ++opening;
+  let found;
   try {
-    rows = await rowsFrom(first, GALLERY.page);
+    found = await rowsFrom(first, GALLERY.page);
   } catch (error) {
+    opening = 0;
     return tellMissing(error);
   }
+  if (own !== opening) return;  // another page was asked for meanwhile
+  opening = 0;
+  rows = found;
   here = -1;
   byId("cards").replaceChildren(...rows.map(cardOf));
   rows.forEach((_, k) => showRating(k));
@@ -194,15 +200,27 @@ async function open(n) {
   showCounts();
 }
 
-// Calls visit(place, row) for every case; false once a later filter was set.
+// Calls visit(place, row) for every case; false once a later filter than `own` was set.
 async function visitAll(visit, own = filtering) {
   const files = Math.ceil(GALLERY.cases / GALLERY.file);
   for (let k = 0; k < files; ++k) {
     if (files > 1) byId("counts").textContent = "reading " + (k + 1) + " of " + files;
     const list = await fileOf(k);
-    if (own !== filtering) return false;
+    if (own !== null && own !== filtering) return false;
     list.forEach((row, i) => visit(k * GALLERY.file + i + 1, row));
   }
+  return true;
+}
+
+// The same whatever is filtered meanwhile; false if a file is missing, which it says.
+async function visitWhole(visit) {
+  try {
+    await visitAll(visit, null);
+  } catch (error) {
+    tellMissing(error);
+    return false;
+  }
+  showCounts();
   return true;
 }
 
@@ -233,27 +251,30 @@ function save(name, lines) {
 // Of all that are shown, in their order, with the ratings of this browser; a row for each region.
 async function table() {
   const lines = ["patient\tcase_id\ttarget\tsession_id\trating\tflags\tregion\tverdict\te_kpa\te_low_kpa\te_high_kpa\tseconds\tfailure"];
-  const cell = value => value === null || value === undefined ? "" : String(value).replace(/[\t\r\n]+/g, " ");
+  // One line, and nothing that a spreadsheet takes for a formula or an open quote.
+  const cell = value => {
+    if (typeof value === "number") return String(value);
+    const text = String(value ?? "").replace(/[\t\r\n]+/g, " ").replace(/^[=+@-]/, "'$&");
+    return text.includes('"') ? '"' + text.replaceAll('"', '""') + '"' : text;
+  };
   const wanted = matches && new Set(matches);
-  await visitAll((place, row) => {
+  const all = await visitWhole((place, row) => {
     if (wanted && !wanted.has(place)) return;
     const flags = GALLERY.flags.filter((_, k) => row[FLAGS] >> k & 1).join("; ");
     for (const region of row[REGIONS].length ? row[REGIONS] : [["", "", null, null, null]])
       lines.push([...row[FOLDER].split("/").slice(1), row[TARGET], row[SESSION], ratingOf(row), flags, ...region, row[SECONDS] || "",
         row[SENTENCE]].map(cell).join("\t"));
   });
-  showCounts();
-  save("gallery.tsv", lines);
+  if (all) save("gallery.tsv", lines);
 }
 
 // Ratings of all files that were taken along, and those of this browser.
 async function download() {
   const lines = ["patient\tcase_id\trating\tkey"];
-  await visitAll((_, row) => {
+  const all = await visitWhole((_, row) => {
     if (ratingOf(row)) lines.push([...row[FOLDER].split("/").slice(1), ratingOf(row), row[KEY]].join("\t"));
   });
-  showCounts();
-  save("ratings.tsv", lines);
+  if (all) save("ratings.tsv", lines);
 }
 
 const toggleLarge = () => { if (here >= 0) byId("c" + here).classList.toggle("large"), choose(here); };
@@ -276,6 +297,8 @@ addEventListener("keydown", event => {
   if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "Enter" && ["BUTTON", "A"].includes(event.target.tagName)) return;
   event.preventDefault();
+  // Nobody has looked at what comes while a key is held down or a page is on its way.
+  if (opening || event.repeat && !event.key.startsWith("Arrow")) return;
   action();
 });
 

@@ -179,7 +179,7 @@ void add_trial(CLI::App& app, Run& run) {
     command->add_option("cohort", *folder)->required();
     command->callback([folder, &run] {
         run = [folder] {
-            recover_tiny_phantom(*folder, {});
+            recover_tiny_phantom(*folder, console_progress(true));
             return 0;
         };
     });
