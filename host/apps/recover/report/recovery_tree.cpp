@@ -34,9 +34,9 @@ Figure ratio_figure(const RegionResult& r) {
 
 /// G = E / (2 (1 + nu)), which elastography measures; none where the images tell nothing of E.
 Figure shear_figure(const RegionResult& r) {
-    const bool is_known = !r.hollow && r.verdict != Verdict::not_identifiable;
+    const bool has_modulus = !r.hollow && is_known(r);
     const auto shear = [&](double stiffness_kpa) {
-        return is_known ? shear_modulus({stiffness_kpa, r.poisson_ratio}) : none;
+        return has_modulus ? shear_modulus({stiffness_kpa, r.poisson_ratio}) : none;
     };
     return {.name = "shear_modulus_kpa",
             .value = shear(r.stiffness_kpa),
