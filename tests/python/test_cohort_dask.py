@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip("distributed", reason="Dask is not installed (pip install palpate[dask])")
 
 from tests.cli.test_cohort import assert_each_case_is_done_once, children_of, plan, rows_of, run, status, wait_until  # noqa: E402
+from tests.cli.test_cohort_machines import broken  # noqa: E402
 from tests.conftest import PROGRAM, run_palpate  # noqa: E402
 
 
@@ -29,13 +30,14 @@ class Cluster:
         self.scheduler = self.start("scheduler", "--scheduler-file", self.file, "--port", 0, "--host", "127.0.0.1", "--no-dashboard")
         wait_until(self.file.exists, 60)
 
-    def start(self, *words):
+    def start(self, *words, environment={}):
         return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_" + words[0], *map(str, words[1:])],
-                                stdout=subprocess.DEVNULL, stderr=open(self.folder / "dask.txt", "a"), cwd=self.folder)
+                                stdout=subprocess.DEVNULL, stderr=open(self.folder / "dask.txt", "a"), cwd=self.folder,
+                                env={**os.environ, **environment})
 
-    def add_worker(self):
+    def add_worker(self, environment={}):
         self.workers.append(self.start("worker", "--scheduler-file", self.file, "--nthreads", 1, "--no-nanny", "--no-dashboard",
-                                       "--local-directory", self.folder, "--death-timeout", 10))
+                                       "--local-directory", self.folder, "--death-timeout", 10, environment=environment))
         return self.workers[-1]
 
     def stop(self):
@@ -112,6 +114,41 @@ def test_a_signal_stops_the_engine_and_what_it_started(cluster, tmp_path):
     assert code == 9 and "goes on" in errors
     wait_until(lambda: status(cohort)[1]["in_work"] == 0, 60)
     assert status(cohort)[1]["cases"]["waiting"] == 8
+
+
+def test_a_worker_whose_machine_is_broken_gets_no_more(cluster, tmp_path):
+    cohort = plan(tmp_path, patients=40, cases=1, seconds=0.1)
+    bad = cluster.add_worker(broken(tmp_path, signal.SIGILL))
+    code, out, errors = end_of(engine(cohort, "--scheduler-file", cluster.file))
+    assert code == 0 and "40 done" in out, errors
+    assert errors.count("gets no more work") == 1 and "tiny phantom" in errors and bad.poll() is None
+    assert_each_case_is_done_once(cohort, 40)
+
+
+def test_workers_that_are_all_broken_end_the_engine(cluster, tmp_path):
+    cohort = plan(tmp_path, patients=4, cases=1, seconds=0)
+    for worker in cluster.workers:
+        worker.kill()
+    for _ in range(2):
+        cluster.add_worker(broken(tmp_path, signal.SIGILL))
+    code, _, errors = end_of(engine(cohort, "--scheduler-file", cluster.file))
+    assert code == 8 and "no worker is left whose machine works" in errors and "Traceback" not in errors, errors
+    cases = status(cohort)[1]["cases"]
+    assert cases["waiting"] == 4 and cases["done"] == cases["failed"] == 0
+
+
+def test_work_kept_for_workers_that_have_gone_is_given_to_others(cluster, tmp_path):
+    """After the broken one was left out, the two that tasks are kept for are killed and another one comes."""
+    cohort = plan(tmp_path, patients=24, cases=1, seconds=0.5)
+    cluster.add_worker(broken(tmp_path, signal.SIGILL))
+    process = engine(cohort, "--scheduler-file", cluster.file)
+    wait_until(lambda: status(cohort)[1]["cases"]["done"] > 6, 120)
+    for worker in cluster.workers[:2]:
+        worker.kill()
+    cluster.add_worker()
+    code, out, errors = end_of(process)
+    assert code == 0 and "24 done" in out, errors
+    assert_each_case_is_done_once(cohort, 24)
 
 
 def test_failed_cases_end_the_engine_with_their_code(tmp_path):

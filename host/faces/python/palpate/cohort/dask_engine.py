@@ -9,6 +9,7 @@ the folder, not this package.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import json
 import os
 import pathlib
@@ -42,8 +43,8 @@ def status_of(program: str, cohort: str) -> dict:
     return {**json.loads(found.stdout), "code": found.returncode}
 
 
-def run_shard(program: str, cohort: str, number: int, count: int) -> tuple[int, str]:
-    """On a worker: (exit code, end of standard error). The program ends with the worker, however that ends; a worker keeps what
+def run_shard(program: str, cohort: str, number: int, count: int) -> tuple[int, str, str]:
+    """On a worker: (exit code, end of standard error, the worker's address). The program ends with the worker, however that ends; a worker keeps what
     it runs as `palpate_running`, so that `stop_on_worker` finds it. Sent by value: may use nothing of this module."""
     import shutil
     import subprocess
@@ -61,7 +62,7 @@ def run_shard(program: str, cohort: str, number: int, count: int) -> tuple[int, 
         errors = process.communicate()[1]
     finally:
         worker.palpate_running.discard(process)
-    return process.returncode, errors[-2000:]
+    return process.returncode, errors[-2000:], worker.address
 
 
 def stop_on_worker(dask_worker=None) -> None:
@@ -70,8 +71,15 @@ def stop_on_worker(dask_worker=None) -> None:
         process.terminate()
 
 
+@dataclasses.dataclass
+class Task:
+    shard: int
+    allowed: frozenset | None  # workers that may take it; None: all
+
+
 class Engine:
-    """Keeps a few shards more than there are slots with the scheduler, and gives back to it what a lost worker had."""
+    """Keeps a few shards more than there are slots with the scheduler, and gives back to it what a lost worker had. A worker
+    whose machine does not work (code 8) gets no more of them."""
 
     def __init__(self, client, program: str, cohort: str, shards: int):
         import cloudpickle
@@ -79,32 +87,53 @@ class Engine:
         cloudpickle.register_pickle_by_value(sys.modules[__name__])  # workers need not have this package
         self.client, self.program, self.cohort, self.count = client, program, cohort, shards
         self.waiting = deque(range(1, shards + 1))
-        self.running: dict = {}  # future -> shard
-        self.lost = self.device_failures = self.tries_without_progress = 0
+        self.running: dict = {}  # future -> Task
+        self.broken: set[str] = set()  # addresses of workers
+        self.lost = self.tries_without_progress = 0
         self.over = -1  # cases, at the last loss
 
+    def good_workers(self) -> dict[str, int]:
+        """Slots of those that nothing is known against."""
+        return {worker: slots for worker, slots in self.client.nthreads().items() if worker not in self.broken}
+
     def slots(self) -> int:
-        return sum(self.client.nthreads().values())
+        return sum(self.good_workers().values())
 
     def submit(self) -> None:
-        while self.waiting and len(self.running) < max(1, WINDOW_PER_SLOT * self.slots()):
+        good = self.good_workers()
+        if self.broken and not good:
+            return  # until another one comes
+        allowed = frozenset(good) if self.broken else None
+        while self.waiting and len(self.running) < max(1, WINDOW_PER_SLOT * sum(good.values())):
             shard = self.waiting.popleft()
             # Never taken for an earlier call of the same words; a lost worker is our business, not the scheduler's.
-            future = self.client.submit(run_shard, self.program, self.cohort, shard, self.count, pure=False, retries=0)
-            self.running[future] = shard
+            future = self.client.submit(run_shard, self.program, self.cohort, shard, self.count, pure=False, retries=0,
+                                        workers=sorted(allowed) if allowed else None)
+            self.running[future] = Task(shard, allowed)
+
+    def take_back_what_nobody_may_run(self) -> None:
+        """The workers that a task was kept for have gone: the scheduler would hold it for ever."""
+        there = self.good_workers()
+        for future, task in list(self.running.items()):
+            if future.status == "pending" and task.allowed is not None and not task.allowed & there.keys():
+                del self.running[future]
+                future.cancel()
+                self.waiting.append(task.shard)
 
     def take(self, future) -> None:
         """What became of a shard. Raises CohortError where going on makes no sense."""
-        shard = self.running.pop(future)
+        shard = self.running.pop(future).shard
         if future.status == "finished":
-            code, errors = future.result()
+            code, errors, worker = future.result()
             if code in (0, NOT_CONVERGED):
                 return
             if code == OUTPUT_FAILED:
                 raise CohortError(errors.strip(), OUTPUT_FAILED)
             if code == DEVICE_FAILED:
-                self.device_failures += 1
-            elif code != STOPPED and code >= 0 and code < 128:
+                self.waiting.append(shard)
+                self.leave_out(worker, errors.strip())
+                return
+            if code != STOPPED and code >= 0 and code < 128:
                 raise CohortError(f"a worker's palpate ended with code {code}: {errors.strip()}", code)
             why = errors.strip() or f"code {code}"
         else:  # killed with its worker, or cancelled: the folder knows what is done
@@ -113,6 +142,14 @@ class Engine:
         self.give_up_without_progress(why)
         self.waiting.append(shard)
 
+    def leave_out(self, worker: str, why: str) -> None:
+        """No more shards for a worker whose machine failed; raises CohortError where it was the last."""
+        if worker not in self.broken:
+            self.broken.add(worker)
+            print(f"palpate.cohort: {worker} gets no more work: {why}", file=sys.stderr)
+        if not self.good_workers():
+            raise CohortError(f"no worker is left whose machine works; the last: {why}", DEVICE_FAILED)
+
     def give_up_without_progress(self, why: str) -> None:
         counts = status_of(self.program, self.cohort)["cases"]
         over = counts["done"] + counts["not converged"] + counts["failed"]
@@ -120,7 +157,7 @@ class Engine:
         self.over = over
         if self.tries_without_progress >= MOST_TRIES_WITHOUT_PROGRESS:
             raise CohortError(f"{MOST_TRIES_WITHOUT_PROGRESS} tasks in a row were lost and no case was done; the last: {why}",
-                              DEVICE_FAILED if self.device_failures else STOPPED)
+                              STOPPED)
 
     def run(self, tell) -> None:
         """Until every shard has been run to its end. `tell` gets the number of shards that are over."""
@@ -131,11 +168,15 @@ class Engine:
         while self.waiting or self.running:
             self.submit()
             with contextlib.suppress(TimeoutError, CancelledError):  # `take` sees which
-                wait(list(self.running), timeout=SECONDS_BETWEEN_LOOKS, return_when="FIRST_COMPLETED")
+                if self.running:
+                    wait(list(self.running), timeout=SECONDS_BETWEEN_LOOKS, return_when="FIRST_COMPLETED")
+                else:
+                    time.sleep(SECONDS_BETWEEN_LOOKS)
             if self.client.status != "running":
                 raise CohortError("the scheduler is gone; what is done stays: start it, and this command again", STOPPED)
             for future in [f for f in self.running if f.status != "pending"]:
                 self.take(future)
+            self.take_back_what_nobody_may_run()
             tell(self.count - len(self.waiting) - len(self.running))
 
     def stop(self) -> None:
