@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "host/apps/aspirate/model/aspiration_model.hpp"
 #include "host/apps/simulate/surface_profile.hpp"
 #include "solver/base/error.hpp"
 
@@ -20,7 +19,7 @@ using Nominal = AspirationNominal;
 constexpr int truth_steps = 96, truth_refine = 2, most_tries = 5;
 constexpr double kappa_factor = 500, contact_factor = 300;  // times the stiffness at the peak
 
-std::string model_of(const AspirationTruth& truth, double travel_mm) {
+AspirationBody body_of(const AspirationTruth& truth, double travel_mm) {
     AspirationBody body;
     const double radius_mm = 0.5 * Nominal::hole_diameter_mm;
     const double peak_kpa = truth.suction.peak_kpa();
@@ -42,13 +41,15 @@ std::string model_of(const AspirationTruth& truth, double travel_mm) {
     body.peak_kpa = peak_kpa;
     body.steps = suction_steps(truth.suction, truth.film_s, truth_steps);
     body.refine = truth_refine;
-    return aspiration_model_text(body);
+    return body;
 }
 
-std::optional<SuckedSurface> solved(const AspirationTruth& truth, const ProgressSink& progress) {
-    constexpr double expected_mm = 1.25;
+}  // namespace
+
+std::optional<SuckedSurface> sucked_surface(const AspirationBody& body, double begin_s,
+                                            const ProgressSink& progress) {
     const SimulationSettings settings =
-        parse_simulation(model_of(truth, expected_mm), "the phantom's model", {});
+        parse_simulation(aspiration_model_text(body), "the phantom's model", {});
     SimulationWish wish;
     wish.fills_cells = false;
     const SimulationResult result = run_simulation(settings, progress, wish);
@@ -59,13 +60,11 @@ std::optional<SuckedSurface> solved(const AspirationTruth& truth, const Progress
     std::vector<double> time_s;
     std::vector<SmoothCurve> curves;
     for (std::size_t k = 0; k < result.states.size(); ++k) {
-        time_s.push_back(truth.suction.begin_s() + result.states[k].time_s);
+        time_s.push_back(begin_s + result.states[k].time_s);
         curves.push_back(surface_profile(result, nodes, k));
     }
     return SuckedSurface(std::move(time_s), std::move(curves));
 }
-
-}  // namespace
 
 double SuckedSurface::z_mm(double r_mm, double time_s) const {
     const auto after = std::lower_bound(time_s_.begin(), time_s_.end(), time_s);
@@ -84,8 +83,11 @@ double SuckedSurface::travel_mm() const {
 }
 
 SuckedSurface simulate_aspiration(AspirationTruth& truth, const ProgressSink& progress) {
+    constexpr double expected_mm = 1.25;
     for (int k = 0; k < most_tries; ++k) {
-        if (auto surface = solved(truth, progress)) return *std::move(surface);
+        const AspirationBody body = body_of(truth, expected_mm);
+        if (auto surface = sucked_surface(body, truth.suction.begin_s(), progress))
+            return *std::move(surface);
         for (double& kpa : truth.suction.kpa) kpa *= 0.8;
     }
     throw Error(

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "host/apps/aspirate/model/aspiration_model.hpp"
 #include "host/apps/phantom/aspiration/aspiration_truth.hpp"
 #include "host/apps/simulate/smooth_curve.hpp"
 #include "solver/base/log.hpp"
@@ -25,6 +27,11 @@ private:
     std::vector<double> time_s_;  ///< ascending, the first at rest
     std::vector<SmoothCurve> curves_;
 };
+
+/// What a body's surface does under its suction, which begins at `begin_s`; empty where there is no
+/// equilibrium.
+std::optional<SuckedSurface> sucked_surface(const AspirationBody& body, double begin_s,
+                                            const ProgressSink& progress);
 
 /// Solves the truth on cells and time steps of half the size of those that a fit has by default.
 /// Lowers the suction by a fifth, up to four times, where there is no equilibrium; then throws
