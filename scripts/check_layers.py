@@ -74,7 +74,7 @@ ALLOWED = {
     "host/apps/aspirate": COMPUTING + ["host/apps/aspirate/contours", "host/apps/aspirate/frames",
                                        "host/apps/aspirate/model", "host/apps/simulate", "host/apps/identify"],
     "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom", "host/apps/phantom/random_numbers", "host/apps/phantom/aspiration",
-                                             "host/apps/aspirate/contours"],
+                                             "host/apps/aspirate/contours", "host/apps/aspirate/model", "host/apps/identify"],
     "host/apps/simulate": COMPUTING,
     # An experiment is a simulation with unknown numbers.
     "host/apps/identify": COMPUTING + ["host/apps/simulate"],

@@ -61,6 +61,22 @@ def test_the_spheres_are_solved_within_one_percent(tmp_path):
     assert max(abs(float(row["error_percent"])) for row in rows) < 1
 
 
+def test_a_bulk_modulus_that_is_assumed_too_small_does_what_it_does_in_another_program(tmp_path):
+    """The same set-up, solved and fitted by an independent program (quadrilaterals with a mean volume, Gauss-Newton)."""
+    out = tmp_path / "kappa"
+    finished = run_palpate("study", "aspiration-kappa", "--out", out, "--jobs", 2, "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    found = {float(row["kappa_kpa"]): row for row in rows_of(out)}
+    elsewhere = {1e4: (0.693, 12.0, 0.41, 4.7), 1e3: (0.678, 12.8, 0.408, 4.57), 1e2: (0.546, 22.2, 0.424, 3.47)}
+    for kappa, numbers in elsewhere.items():
+        tolerance = 1e-3 if kappa == 1e4 else 0.05
+        for name, number in zip(("mu_kpa", "gamma", "amplitude", "time_s"), numbers):
+            assert float(found[kappa][name]) == pytest.approx(number, rel=tolerance), (kappa, name)
+    assert float(found[1e3]["rms_um"]) == pytest.approx(2.7, abs=0.5)
+    page = (out / "study.html").read_text()
+    assert "published, of a measurement" in page and "nan" not in page
+
+
 def test_two_zones_get_a_verdict_each_and_a_still_phantom_is_called_unidentifiable(tmp_path):
     out = tmp_path / "zones"
     finished = run_palpate("study", "zones", "--out", out, *SMALL)

@@ -44,4 +44,16 @@ std::vector<PublishedLandmarks> published_landmarks() {
     return {{2.6, 2.7}, {1.6, 2.1}, {1.0, 1.8}, {1.3, 1.7}, {2.0, 2.1}};
 }
 
+std::vector<PublishedSuckedTissue> published_sucked_tissue() {
+    return {{100, 0.517, 23.1, 0.44, 3.4},
+            {1000, 0.728, 11.9, 0.44, 5.1},
+            {10000, 0.693, 12.0, 0.41, 4.7}};
+}
+
+std::string published_sucked_tissue_source() {
+    return "Published: Vuskovic and Kauer, aspiration of tissue; one measurement fitted four "
+           "times, without intervals. Its surface at rest and its cycle are not told, so compare "
+           "what the assumption changes, not the numbers.";
+}
+
 }  // namespace palpate

@@ -44,4 +44,11 @@ struct PublishedLandmarks {
 };
 std::vector<PublishedLandmarks> published_landmarks();
 
+/// One law of sucked tissue, fitted to one measurement with a bulk modulus that was assumed.
+struct PublishedSuckedTissue {
+    double kappa_kpa = 0, mu_kpa = 0, gamma = 0, amplitude = 0, time_s = 0;
+};
+std::vector<PublishedSuckedTissue> published_sucked_tissue();
+std::string published_sucked_tissue_source();
+
 }  // namespace palpate

@@ -29,6 +29,10 @@ const std::vector<StudyEntry>& study_registry() {
         {"aspiration-contours",
          "Outlines of sucked tissue from frames with a known outline, beside the published method",
          12, make_aspiration_contours_study, false, true},
+        {"aspiration-kappa", "Sucked tissue whose bulk modulus is assumed too small", 0,
+         make_aspiration_kappa_study, false},
+        {"aspiration-friction", "Sucked tissue that sticks to the tube and is taken to slide", 0,
+         make_aspiration_friction_study, false},
     };
     return entries;
 }

@@ -53,5 +53,7 @@ Study make_sensitivity_study(const StudyOptions& options);
 Study make_registration_study(const StudyOptions& options);
 Study make_zones_study(const StudyOptions& options);
 Study make_aspiration_contours_study(const StudyOptions& options);
+Study make_aspiration_kappa_study(const StudyOptions& options);
+Study make_aspiration_friction_study(const StudyOptions& options);
 
 }  // namespace palpate

@@ -1,0 +1,315 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "host/apps/aspirate/model/aspiration_model.hpp"
+#include "host/apps/identify/experiment_problem.hpp"
+#include "host/apps/phantom/aspiration/sucked_surface.hpp"
+#include "host/apps/study/figures.hpp"
+#include "host/apps/study/published.hpp"
+#include "host/apps/study/studies.hpp"
+#include "host/apps/study/tables.hpp"
+#include "host/estimate/fit.hpp"
+#include "host/io/files.hpp"
+#include "host/io/output_folder.hpp"
+#include "host/page/plot.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+// A cap of 1 mm over a hole of 10 mm, sucked by 100 mbar as in the published cycle.
+constexpr double hole_radius_mm = 5, usual_edge_mm = 0.2, cap_mm = 1, travel_mm = 1.65;
+constexpr double rise_s = 3.5, fall_s = 6.5, released_s = 9.5, end_s = 16, peak_kpa = 10;
+constexpr double usual_kappa_kpa = 1e4, contact_factor = 300, no_slip = 1;
+constexpr int num_steps = 48;
+constexpr int edge_refine = 2;  // coarser cells at the edge move mu by 1.5 % more
+// What is measured of it: heights where the rim does not hide them, all alike.
+constexpr double sample_mm = 0.25, lowest_mm = 0.62, sd_mm = 0.02;
+constexpr const char* points_file = "points.csv";
+
+/// A law of Veronda and Westmann with one relaxation term.
+struct Tissue {
+    double mu_kpa, gamma, amplitude, time_s;
+    static constexpr std::array<const char*, 4> names{"mu_kpa", "gamma", "amplitude", "time_s"};
+    std::array<double, 4> values() const { return {mu_kpa, gamma, amplitude, time_s}; }
+};
+constexpr Tissue published_sliding{0.693, 12.0, 0.41, 4.7},
+    published_sticking{0.7, 10.5, 0.44, 4.8};
+constexpr Tissue begin{1.0, 10.0, 0.4, 4.0};  // of the searches
+
+/// What is true of an instrument and a body, or taken to be.
+struct Assumed {
+    double kappa_kpa = usual_kappa_kpa, edge_radius_mm = usual_edge_mm, friction = 0;
+    int refine = 1;  ///< of the cells, of truth and fit alike
+};
+
+Suction published_cycle() {
+    return {{0, rise_s, fall_s, released_s, end_s}, {0, peak_kpa, peak_kpa, 0, 0}};
+}
+
+AspirationBody body_with(const Assumed& assumed) {
+    AspirationBody body;
+    body.title = "Tissue sucked into a tube";
+    body.hole_diameter_mm = {2 * hole_radius_mm};
+    body.edge_radius_mm = {assumed.edge_radius_mm};
+    body.friction = {assumed.friction};
+    body.depth_mm = {16};
+    body.outer_diameter_mm = 20;
+    body.width_mm = 20;
+    body.rest = cap_surface(cap_mm, hole_radius_mm, assumed.edge_radius_mm);
+    body.kappa_kpa = assumed.kappa_kpa;
+    body.contact_kpa_per_mm =
+        contact_factor * theret_stiffness(peak_kpa, hole_radius_mm, travel_mm);
+    body.peak_kpa = peak_kpa;
+    body.steps = suction_steps(published_cycle(), end_s, num_steps);
+    body.refine = assumed.refine;
+    return body;
+}
+
+/// Numbers as a model file has them; open: looked for from there on.
+TissueText text_of(const Tissue& tissue, bool is_open) {
+    const auto number = [&](double value) {
+        return is_open ? fmt::format("{{unknown = true, start = {:.6g}}}", value)
+                       : fmt::format("{:.10g}", value);
+    };
+    return {"veronda-westmann",
+            {{"mu_kpa", number(tissue.mu_kpa)}, {"gamma", number(tissue.gamma)}},
+            {{number(tissue.amplitude), number(tissue.time_s)}}};
+}
+
+/// Heights at the times that are solved, without noise.
+std::string points_of(const SuckedSurface& surface, const SuctionSteps& steps) {
+    std::string text = "time_s,r_mm,z_mm,sd_mm\n";
+    for (const double time_s : steps.time_s)
+        for (double r_mm = sample_mm; r_mm < hole_radius_mm; r_mm += sample_mm) {
+            const double z_mm = surface.z_mm(r_mm, time_s);
+            if (z_mm > lowest_mm)
+                text += fmt::format("{:.6f},{:.3f},{:.7f},{}\n", time_s, r_mm, z_mm, sd_mm);
+        }
+    return text;
+}
+
+/// The experiment in which only the tissue is looked for, by least squares.
+Fit fit_least_squares(const Experiment& experiment, const ProgressSink& progress) {
+    // 300 quadrilaterals: as the host solves them by default
+    const ExperimentProblem problem(
+        experiment, [](SimulationSettings&) {}, 1, progress);
+    FitOptions options;
+    options.noise.huber_sd = std::numeric_limits<double>::infinity();
+    options.discrepancy.is_learned = false;
+    return fit(problem, options, progress);
+}
+
+/// What is found of tissue whose body is one thing and is taken for another.
+Row run_case(const Tissue& tissue, const Assumed& truth, const Assumed& assumed,
+             const ProgressSink& progress) {
+    AspirationBody body = body_with(truth);
+    body.tissue = text_of(tissue, false);
+    const auto surface = sucked_surface(body, 0, progress);
+    if (!surface)
+        throw Error(ErrorCode::solve_failed, "the sucked body has no equilibrium; please report");
+    const PrivateFolder folder;
+    write_text_file(folder.path() / points_file, points_of(*surface, body.steps));
+
+    AspirationBody taken = body_with(assumed);
+    taken.tissue = text_of(begin, true);
+    const std::string text =
+        aspiration_model_text(taken) + fmt::format(
+                                           "\n[[data]]\nname = \"profiles\"\nkind = \"profile\"\n"
+                                           "file = \"{}\"\nwhere = {{point_array = \"surface\"}}\n",
+                                           points_file);
+    const Experiment experiment = Experiment::parse(text, "the study's model", folder.path());
+    const Fit found = fit_least_squares(experiment, progress);
+
+    Row row;
+    row.set("kappa_kpa", assumed.kappa_kpa, 0);
+    row.set("edge_radius_mm", assumed.edge_radius_mm, 3);
+    for (std::size_t k = 0; k < experiment.paths().size(); ++k)
+        for (std::size_t n = 0; n < Tissue::names.size(); ++n)
+            if (experiment.paths()[k].ends_with(std::string(".") + Tissue::names[n])) {
+                row.set(fmt::format("true_{}", Tissue::names[n]), tissue.values()[n], 4);
+                row.set(Tissue::names[n], found.values[Eigen::Index(k)], 4);
+            }
+    const DataBlock& block = found.prediction->blocks.front();
+    const double rms_mm =
+        (block.measured - block.predicted).norm() / std::sqrt(double(block.num_row()));
+    row.set("rms_um", 1000 * rms_mm, 2);
+    row.set("travel_mm", surface->travel_mm(), 3);
+    row.set_flag("converged", found.ending == Ending::converged);
+    return row;
+}
+
+std::vector<std::string> columns() {
+    std::vector<std::string> names{"kappa_kpa", "edge_radius_mm"};
+    for (const char* name : Tissue::names) {
+        names.push_back(fmt::format("true_{}", name));
+        names.emplace_back(name);
+    }
+    names.insert(names.end(), {"rms_um", "travel_mm", "converged"});
+    return names;
+}
+
+double error_percent(const Row& row, const std::string& name) {
+    return 100 * (row.number(name) / row.number("true_" + name) - 1);
+}
+
+/// A line for each row: what was found with its error, what is left unexplained, and beside it what
+/// was published, if anything.
+StudyTable found_table(const std::vector<Row>& rows, const std::string& key,
+                       const std::string& key_title,
+                       const std::vector<PublishedSuckedTissue>& published) {
+    StudyTable table{{key_title, "mu, kPa", "gamma", "C", "tau, s", "left unexplained, um"}, {}};
+    if (!published.empty()) {
+        table.header.insert(table.header.end(), {"mu, kPa", "gamma", "C", "tau, s"});
+        table.groups = {{"found (error)", 5}, {"published, of a measurement", 4}};
+    }
+    for (const Row& row : rows) {
+        std::vector<std::string> line{fmt::format("{:g}", row.number(key))};
+        for (const char* name : Tissue::names)
+            line.push_back(fmt::format("{:.3g} ({})", row.number(name),
+                                       signed_percent(error_percent(row, name))));
+        line.push_back(fmt::format("{:.1f}", row.number("rms_um")));
+        for (const PublishedSuckedTissue& one : published)
+            if (one.kappa_kpa == row.number(key))
+                line.insert(line.end(),
+                            {fmt::format("{:g}", one.mu_kpa), fmt::format("{:g}", one.gamma),
+                             fmt::format("{:g}", one.amplitude), fmt::format("{:g}", one.time_s)});
+        table.lines.push_back(line);
+    }
+    return table;
+}
+
+StudyPicture error_curves(const std::vector<Row>& rows, const std::string& key, PlotAxis x) {
+    double lowest = -5, highest = 5;
+    for (const Row& row : rows)
+        for (const char* name : Tissue::names) {
+            lowest = std::min(lowest, error_percent(row, name) - 5);
+            highest = std::max(highest, error_percent(row, name) + 5);
+        }
+    Plot plot("errors", 440, 300, std::move(x), {lowest, highest, false, "error, %"});
+    static constexpr std::array<const char*, 4> colours{our_colour, published_colour, "#009e73",
+                                                        "#cc79a7"};
+    static constexpr std::array<const char*, 4> words{"mu", "gamma", "C", "tau"};
+    std::vector<LegendEntry> legend;
+    for (std::size_t n = 0; n < Tissue::names.size(); ++n) {
+        std::vector<double> at, error;
+        for (const Row& row : rows) {
+            at.push_back(row.number(key));
+            error.push_back(error_percent(row, Tissue::names[n]));
+        }
+        plot.curve(at, error, colours[n], false);
+        plot.points(at, error, colours[n], false);
+        legend.push_back({words[n], colours[n]});
+    }
+    return {"errors", plot.svg("Errors of the four numbers"), legend_html(legend),
+            "Error of each number where only the assumption is wrong: data have no noise, mesh and "
+            "time steps are those of the fit."};
+}
+
+const char* scene_sentence() {
+    return "A cap of 1 mm over a hole of 10 mm is sucked by 100 mbar (rise 3.5 s, hold 3 s, "
+           "release 3 s, 16 s in all). Its tissue is a law of Veronda and Westmann with one "
+           "relaxation term; its numbers are looked for by least squares of the heights.";
+}
+
+double worst_error(const std::vector<Row>& rows) {
+    double worst = 0;
+    for (const Row& row : rows)
+        for (const char* name : Tissue::names)
+            worst = std::max(worst, std::abs(error_percent(row, name)));
+    return worst;
+}
+
+void add_facts(const std::vector<Row>& rows, const std::string& key, StudyReport& report) {
+    for (const Row& row : rows) {
+        for (const char* name : Tissue::names)
+            report.facts.emplace_back(
+                fmt::format("{}_{:g}.{}_error_percent", key, row.number(key), name),
+                error_percent(row, name));
+        report.facts.emplace_back(fmt::format("{}_{:g}.rms_um", key, row.number(key)),
+                                  row.number("rms_um"));
+    }
+}
+
+StudyReport kappa_report(const std::vector<Row>& rows) {
+    StudyReport report;
+    report.headline =
+        fmt::format("A bulk modulus that is assumed too small makes errors of up to {:.0f} %",
+                    worst_error(rows));
+    report.sentences = {scene_sentence(),
+                        "Data are of tissue with a bulk modulus of 10 MPa, which hardly changes "
+                        "its volume; fits take it for less."};
+    const StudyTable table =
+        found_table(rows, "kappa_kpa", "assumed bulk modulus, kPa", published_sucked_tissue());
+    report.sections = {
+        {"What a bulk modulus does",
+         table.html("beside") + "<p class='caption'>" + published_sucked_tissue_source() + "</p>",
+         {error_curves(rows, "kappa_kpa", {50, 2e4, true, "assumed bulk modulus, kPa"})}}};
+    add_facts(rows, "kappa_kpa", report);
+    report.text = table.plain();
+    return report;
+}
+
+StudyReport friction_report(const std::vector<Row>& rows) {
+    StudyReport report;
+    report.headline = fmt::format(
+        "Tissue that sticks to the tube and is taken to slide is wrong by up to {:.0f} %",
+        worst_error(rows));
+    report.sentences = {
+        scene_sentence(),
+        "Data are of tissue that sticks to the rim, fits let it slide, for edges of several "
+        "radii, which fits know. Published, of one measurement: gamma 12.0 sliding and 10.5 "
+        "sticking (+14 %), mu 0.693 and 0.700 kPa (-1 %), C 0.41 and 0.44, tau 4.7 and 4.8 s."};
+    const StudyTable table = found_table(rows, "edge_radius_mm", "radius of the edge, mm", {});
+    report.sections = {
+        {"What friction does",
+         table.html("beside") + "<p class='caption'>" + published_sucked_tissue_source() + "</p>",
+         {error_curves(rows, "edge_radius_mm", {0, 0.5, false, "radius of the edge, mm"})}}};
+    add_facts(rows, "edge_radius_mm", report);
+    report.text = table.plain();
+    return report;
+}
+
+}  // namespace
+
+Study make_aspiration_kappa_study(const StudyOptions&) {
+    Study study{"aspiration-kappa",
+                "What the bulk modulus that is assumed does to sucked tissue",
+                {{"steps", fmt::format("{}", num_steps)}},
+                columns(),
+                {},
+                kappa_report};
+    for (const double kappa_kpa : {1e4, 1e3, 1e2})
+        study.cases.push_back(
+            {fmt::format("kappa-{:g}", kappa_kpa), fmt::format("bulk modulus {:g} kPa", kappa_kpa),
+             [=](const ProgressSink& progress) {
+                 return run_case(published_sliding, {}, {.kappa_kpa = kappa_kpa}, progress);
+             }});
+    return study;
+}
+
+Study make_aspiration_friction_study(const StudyOptions&) {
+    Study study{"aspiration-friction",
+                "Tissue that sticks to the tube and is taken to slide",
+                {{"steps", fmt::format("{}", num_steps)}},
+                columns(),
+                {},
+                friction_report};
+    for (const double edge_mm : {0.05, 0.1, 0.2, 0.4})
+        study.cases.push_back(
+            {fmt::format("edge-{:g}", edge_mm), fmt::format("edge of {:g} mm", edge_mm),
+             [=](const ProgressSink& progress) {
+                 return run_case(published_sticking,
+                                 {usual_kappa_kpa, edge_mm, no_slip, edge_refine},
+                                 {usual_kappa_kpa, edge_mm, 0, edge_refine}, progress);
+             }});
+    return study;
+}
+
+}  // namespace palpate
