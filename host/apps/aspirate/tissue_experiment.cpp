@@ -44,10 +44,6 @@ std::string rest_error_text(const SuckedBody& sucked) {
     return text + fmt::format("{{r_mm = {:.4f}, z_mm = 0}}]\n", sucked.rest.r_mm.back());
 }
 
-std::string open_from(double start) {
-    return fmt::format("{{unknown = true, start = {:.5g}}}", start);
-}
-
 /// Every number of the law and of its relaxation is looked for, or as the start has it.
 TissueText tissue_of(const std::string& law, int num_terms, const TissueStart& start,
                      bool is_open) {

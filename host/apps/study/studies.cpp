@@ -33,6 +33,8 @@ const std::vector<StudyEntry>& study_registry() {
          make_aspiration_kappa_study, false},
         {"aspiration-friction", "Sucked tissue that sticks to the tube and is taken to slide", 0,
          make_aspiration_friction_study, false},
+        {"aspiration-laws", "Which law and how many relaxation terms sucked tissue has", 20,
+         make_aspiration_laws_study, false, true},
     };
     return entries;
 }

@@ -34,8 +34,8 @@ struct StudyEntry {
     int phantoms = 1;   ///< default of `StudyOptions::phantoms`; 0: it makes no pelvis phantoms
     Study (*make)(const StudyOptions& options);
     bool has_images = true;  ///< it recovers from label volumes, which can be drawn badly
-    /// Of the options of phantoms and meshes it uses how many (films), and the first seed.
-    bool counts_films = false;
+    /// Of the options of phantoms and meshes it uses how many, and the first seed.
+    bool counts_cases = false;
 };
 
 /// All studies; `make` gets options with a number of phantoms.
@@ -55,5 +55,6 @@ Study make_zones_study(const StudyOptions& options);
 Study make_aspiration_contours_study(const StudyOptions& options);
 Study make_aspiration_kappa_study(const StudyOptions& options);
 Study make_aspiration_friction_study(const StudyOptions& options);
+Study make_aspiration_laws_study(const StudyOptions& options);
 
 }  // namespace palpate

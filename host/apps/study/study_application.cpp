@@ -53,7 +53,7 @@ std::vector<Option> phantom_options() {
         Option::integer("first_seed", 0, 4294967295.0, "Of the phantoms")
             .usually(std::int64_t{usual.first_seed}),
         Option::integer("phantoms", 1, 100000,
-                        "How many anatomies, or films; default: the number beside the study"),
+                        "How many anatomies, or other cases; default: the number beside the study"),
         Option::number("spacing", "mm", {0.3, 8}, "Voxel size")
             .list(3, 3)
             .usually(std::vector<double>{1, 1, 1}),
@@ -88,14 +88,14 @@ void check_use(const StudyEntry& entry, const OptionValues& values) {
                     fmt::format("the study {} makes no use of {}; leave it out", entry.name,
                                 command_line_name(name)));
     };
-    const auto is_of_films = [](const std::string& name) {
+    const auto is_of_cases = [](const std::string& name) {
         return name == "first_seed" || name == "phantoms";
     };
-    if (entry.phantoms == 0 || entry.counts_films)
+    if (entry.phantoms == 0 || entry.counts_cases)
         for (const auto& part : {phantom_options(), mesher_options()})
             for (const Option& option : part)
                 if (option.name != "mesh_program" && values.is_given(option.name) &&
-                    !(entry.counts_films && is_of_films(option.name)))
+                    !(entry.counts_cases && is_of_cases(option.name)))
                     refuse(option.name);
     if (!entry.has_images && values.is_given("contours")) refuse("contours");
 }

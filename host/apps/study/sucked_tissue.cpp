@@ -7,31 +7,22 @@
 #include <cmath>
 #include <limits>
 
-#include "host/apps/aspirate/model/aspiration_model.hpp"
 #include "host/apps/identify/experiment_problem.hpp"
-#include "host/apps/phantom/aspiration/sucked_surface.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/published.hpp"
 #include "host/apps/study/studies.hpp"
+#include "host/apps/study/sucked_scene.hpp"
 #include "host/apps/study/tables.hpp"
 #include "host/estimate/fit.hpp"
 #include "host/io/files.hpp"
-#include "host/io/output_folder.hpp"
 #include "host/page/plot.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
 namespace {
 
-// A cap of 1 mm over a hole of 10 mm, sucked by 100 mbar as in the published cycle.
-constexpr double hole_radius_mm = 5, usual_edge_mm = 0.2, cap_mm = 1, travel_mm = 1.65;
-constexpr double rise_s = 3.5, fall_s = 6.5, released_s = 9.5, end_s = 16, peak_kpa = 10;
-constexpr double usual_kappa_kpa = 1e4, contact_factor = 300, no_slip = 1;
-constexpr int num_steps = 48;
+constexpr double no_slip = 1, sd_mm = 0.02;
 constexpr int edge_refine = 2;  // coarser cells at the edge move mu by 1.5 % more
-// What is measured of it: heights where the rim does not hide them, all alike.
-constexpr double sample_mm = 0.25, lowest_mm = 0.62, sd_mm = 0.02;
-constexpr const char* points_file = "points.csv";
 
 /// A law of Veronda and Westmann with one relaxation term.
 struct Tissue {
@@ -43,56 +34,13 @@ constexpr Tissue published_sliding{0.693, 12.0, 0.41, 4.7},
     published_sticking{0.7, 10.5, 0.44, 4.8};
 constexpr Tissue begin{1.0, 10.0, 0.4, 4.0};  // of the searches
 
-/// What is true of an instrument and a body, or taken to be.
-struct Assumed {
-    double kappa_kpa = usual_kappa_kpa, edge_radius_mm = usual_edge_mm, friction = 0;
-    int refine = 1;  ///< of the cells, of truth and fit alike
-};
-
-Suction published_cycle() {
-    return {{0, rise_s, fall_s, released_s, end_s}, {0, peak_kpa, peak_kpa, 0, 0}};
-}
-
-AspirationBody body_with(const Assumed& assumed) {
-    AspirationBody body;
-    body.title = "Tissue sucked into a tube";
-    body.hole_diameter_mm = {2 * hole_radius_mm};
-    body.edge_radius_mm = {assumed.edge_radius_mm};
-    body.friction = {assumed.friction};
-    body.depth_mm = {16};
-    body.outer_diameter_mm = 20;
-    body.width_mm = 20;
-    body.rest = cap_surface(cap_mm, hole_radius_mm, assumed.edge_radius_mm);
-    body.kappa_kpa = assumed.kappa_kpa;
-    body.contact_kpa_per_mm =
-        contact_factor * theret_stiffness(peak_kpa, hole_radius_mm, travel_mm);
-    body.peak_kpa = peak_kpa;
-    body.steps = suction_steps(published_cycle(), end_s, num_steps);
-    body.refine = assumed.refine;
-    return body;
-}
-
-/// Numbers as a model file has them; open: looked for from there on.
 TissueText text_of(const Tissue& tissue, bool is_open) {
     const auto number = [&](double value) {
-        return is_open ? fmt::format("{{unknown = true, start = {:.6g}}}", value)
-                       : fmt::format("{:.10g}", value);
+        return is_open ? open_from(value) : fmt::format("{:.10g}", value);
     };
     return {"veronda-westmann",
             {{"mu_kpa", number(tissue.mu_kpa)}, {"gamma", number(tissue.gamma)}},
             {{number(tissue.amplitude), number(tissue.time_s)}}};
-}
-
-/// Heights at the times that are solved, without noise.
-std::string points_of(const SuckedSurface& surface, const SuctionSteps& steps) {
-    std::string text = "time_s,r_mm,z_mm,sd_mm\n";
-    for (const double time_s : steps.time_s)
-        for (double r_mm = sample_mm; r_mm < hole_radius_mm; r_mm += sample_mm) {
-            const double z_mm = surface.z_mm(r_mm, time_s);
-            if (z_mm > lowest_mm)
-                text += fmt::format("{:.6f},{:.3f},{:.7f},{}\n", time_s, r_mm, z_mm, sd_mm);
-        }
-    return text;
 }
 
 /// The experiment in which only the tissue is looked for, by least squares.
@@ -107,24 +55,19 @@ Fit fit_least_squares(const Experiment& experiment, const ProgressSink& progress
 }
 
 /// What is found of tissue whose body is one thing and is taken for another.
-Row run_case(const Tissue& tissue, const Assumed& truth, const Assumed& assumed,
+Row run_case(const Tissue& tissue, const SuckedScene& truth, const SuckedScene& assumed,
              const ProgressSink& progress) {
-    AspirationBody body = body_with(truth);
+    AspirationBody body = truth.body();
     body.tissue = text_of(tissue, false);
     const auto surface = sucked_surface(body, 0, progress);
     if (!surface)
         throw Error(ErrorCode::solve_failed, "the sucked body has no equilibrium; please report");
-    const PrivateFolder folder;
-    write_text_file(folder.path() / points_file, points_of(*surface, body.steps));
-
-    AspirationBody taken = body_with(assumed);
+    AspirationBody taken = assumed.body();
     taken.tissue = text_of(begin, true);
-    const std::string text =
-        aspiration_model_text(taken) + fmt::format(
-                                           "\n[[data]]\nname = \"profiles\"\nkind = \"profile\"\n"
-                                           "file = \"{}\"\nwhere = {{point_array = \"surface\"}}\n",
-                                           points_file);
-    const Experiment experiment = Experiment::parse(text, "the study's model", folder.path());
+    const PrivateFolder folder;
+    write_sucked_points(
+        *surface, body.steps, sd_mm, [] { return 0.0; }, folder.path());
+    const Experiment experiment = sucked_experiment(taken, folder.path());
     const Fit found = fit_least_squares(experiment, progress);
 
     Row row;
@@ -212,10 +155,10 @@ StudyPicture error_curves(const std::vector<Row>& rows, const std::string& key, 
             "time steps are those of the fit."};
 }
 
-const char* scene_sentence() {
-    return "A cap of 1 mm over a hole of 10 mm is sucked by 100 mbar (rise 3.5 s, hold 3 s, "
-           "release 3 s, 16 s in all). Its tissue is a law of Veronda and Westmann with one "
-           "relaxation term; its numbers are looked for by least squares of the heights.";
+std::string scene_sentence() {
+    return std::string(SuckedScene::sentence()) +
+           " Suction is 100 mbar, the tissue a law of Veronda and Westmann with one relaxation "
+           "term; its numbers are looked for by least squares of the heights.";
 }
 
 double worst_error(const std::vector<Row>& rows) {
@@ -281,7 +224,7 @@ StudyReport friction_report(const std::vector<Row>& rows) {
 Study make_aspiration_kappa_study(const StudyOptions&) {
     Study study{"aspiration-kappa",
                 "What the bulk modulus that is assumed does to sucked tissue",
-                {{"steps", fmt::format("{}", num_steps)}},
+                {{"steps", fmt::format("{}", SuckedScene().num_steps)}},
                 columns(),
                 {},
                 kappa_report};
@@ -297,7 +240,7 @@ Study make_aspiration_kappa_study(const StudyOptions&) {
 Study make_aspiration_friction_study(const StudyOptions&) {
     Study study{"aspiration-friction",
                 "Tissue that sticks to the tube and is taken to slide",
-                {{"steps", fmt::format("{}", num_steps)}},
+                {{"steps", fmt::format("{}", SuckedScene().num_steps)}},
                 columns(),
                 {},
                 friction_report};
@@ -305,9 +248,10 @@ Study make_aspiration_friction_study(const StudyOptions&) {
         study.cases.push_back(
             {fmt::format("edge-{:g}", edge_mm), fmt::format("edge of {:g} mm", edge_mm),
              [=](const ProgressSink& progress) {
-                 return run_case(published_sticking,
-                                 {usual_kappa_kpa, edge_mm, no_slip, edge_refine},
-                                 {usual_kappa_kpa, edge_mm, 0, edge_refine}, progress);
+                 return run_case(
+                     published_sticking,
+                     {.edge_radius_mm = edge_mm, .friction = no_slip, .refine = edge_refine},
+                     {.edge_radius_mm = edge_mm, .refine = edge_refine}, progress);
              }});
     return study;
 }

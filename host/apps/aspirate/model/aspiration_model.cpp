@@ -38,6 +38,10 @@ std::string tissue_text(const AspirationBody& body) {
 
 }  // namespace
 
+std::string open_from(double start) {
+    return fmt::format("{{unknown = true, start = {:.5g}}}", start);
+}
+
 AspirationBody AspirationBody::of(const AspirationSettings& settings) {
     AspirationBody body;
     body.title = "Tissue sucked into a tube";

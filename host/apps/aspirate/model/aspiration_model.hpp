@@ -23,6 +23,9 @@ struct TissueText {
     std::vector<std::pair<std::string, std::string>> relaxation;  ///< amplitude, time
 };
 
+/// A number that is looked for from `start` on.
+std::string open_from(double start);
+
 /// What is sucked, by what, and how.
 struct AspirationBody {
     std::string title;
