@@ -65,14 +65,14 @@ TrueTissue draw_tissue(unsigned seed) {
     if (random.is_below(0.5)) tissue.terms.emplace_back(random.uniform(0.2, 0.8), 5 * first_s);
     const double travel_mm = random.uniform(1, 1.6);
     // E = 6 mu e^(gamma x)
-    tissue.peak_kpa = suction_for(
-        6 * tissue.mu_kpa * std::exp(tissue.gamma * stretch_at(travel_mm)), travel_mm);
+    tissue.peak_kpa =
+        suction_for(6 * tissue.mu_kpa * std::exp(tissue.gamma * stretch_at(travel_mm)), travel_mm);
     return tissue;
 }
 
 /// A law by its shear modulus and how fast it stiffens: c2 of reduced-polynomial is mu gamma / 2.
 TissueText law_text(const std::string& law, double mu_kpa, double gamma,
-                   const std::vector<std::pair<double, double>>& terms, bool is_open) {
+                    const std::vector<std::pair<double, double>>& terms, bool is_open) {
     const auto number = [&](double value) {
         return is_open ? open_from(value) : fmt::format("{:.10g}", value);
     };
@@ -104,7 +104,8 @@ double log_evidence(const SuckedScene& scene, const TissueText& start,
     AspirationBody body = scene.body();
     body.tissue = start;
     const Experiment experiment = sucked_experiment(body, folder);
-    const ExperimentProblem problem(experiment, [](SimulationSettings&) {}, 1, progress);
+    const ExperimentProblem problem(
+        experiment, [](SimulationSettings&) {}, 1, progress);
     try {
         const Fit found = fit(problem, {}, progress);
         // neither profiles nor far ends: they say nothing of the evidence
@@ -133,8 +134,9 @@ Row recover_law(unsigned seed, const ProgressSink& progress) {
     if (!surface) throw Error(ErrorCode::solve_failed, "this seed's tissue has no equilibrium");
     RandomNumbers noise(0xab5e11ULL + seed);
     const PrivateFolder folder;
-    write_sucked_points(*surface, scene.body().steps, noise_mm,
-                        [&] { return noise_mm * noise.normal(); }, folder.path());
+    write_sucked_points(
+        *surface, scene.body().steps, noise_mm, [&] { return noise_mm * noise.normal(); },
+        folder.path());
     Row row;
     row.set("true_law", truth.law);
     row.set("true_terms", double(truth.terms.size()), 0);
@@ -144,9 +146,9 @@ Row recover_law(unsigned seed, const ProgressSink& progress) {
     double best = -std::numeric_limits<double>::infinity();
     for (const std::string& law : laws())
         for (int terms = 0; terms <= most_terms; ++terms) {
-            const double evidence = log_evidence(
-                scene, start_of(law, terms, scene.peak_kpa, surface->travel_mm()), folder.path(),
-                progress);
+            const double evidence =
+                log_evidence(scene, start_of(law, terms, scene.peak_kpa, surface->travel_mm()),
+                             folder.path(), progress);
             row.set(model_name(law, terms), evidence, 1);
             if (!(evidence > best)) continue;
             best = evidence;
@@ -182,7 +184,8 @@ constexpr double clear_lead = 3;  // of ln evidence: 20 to 1
 /// ln evidence of the right law's best model over that of the other stiffening law's.
 double lead_of(const Row& row) {
     const bool is_second = row.text("true_law") == laws()[1];
-    return best_of_law(row, laws()[is_second ? 1 : 2]) - best_of_law(row, laws()[is_second ? 2 : 1]);
+    return best_of_law(row, laws()[is_second ? 1 : 2]) -
+           best_of_law(row, laws()[is_second ? 2 : 1]);
 }
 
 Counts counts_of(const std::vector<Row>& rows) {
@@ -193,9 +196,9 @@ Counts counts_of(const std::vector<Row>& rows) {
         counts.law += law;
         counts.terms += terms;
         counts.both += law && terms;
-        counts.rejected += best_of_law(row, soft_law) <
-                           std::max(best_of_law(row, laws()[1]), best_of_law(row, laws()[2])) -
-                               clear_lead;
+        counts.rejected +=
+            best_of_law(row, soft_law) <
+            std::max(best_of_law(row, laws()[1]), best_of_law(row, laws()[2])) - clear_lead;
         if (std::abs(lead_of(row)) < clear_lead) continue;
         ++counts.clear;
         counts.clear_and_right += lead_of(row) > 0;
@@ -235,9 +238,10 @@ StudyReport laws_report(const std::vector<Row>& rows) {
     add("laws told apart (20 to 1), of these the right one first", counts.clear_and_right,
         std::size_t(counts.clear));
     StudyReport report;
-    report.headline = fmt::format("The right law is first in {} of {}, with the right number of "
-                                  "relaxation terms in {}",
-                                  counts.law, n, counts.both);
+    report.headline = fmt::format(
+        "The right law is first in {} of {}, with the right number of "
+        "relaxation terms in {}",
+        counts.law, n, counts.both);
     report.sentences = {
         std::string(SuckedScene::sentence()) +
             fmt::format(" Its tissue follows one of two laws that stiffen, with one or two "
