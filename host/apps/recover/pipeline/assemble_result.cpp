@@ -361,6 +361,12 @@ void add_motion(const Recovered& found, const LabelledState& reference, const Ta
     add_volumes(found, reference, target, settings, result);
 }
 
+void add_element_stiffness(RecoveryResult& result) {
+    for (const Index region : result.mesh.region)
+        for (const RegionResult& r : result.regions)
+            if (r.region == region) result.element_stiffness_kpa.push_back(r.most_probable_kpa);
+}
+
 RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,
                                const TargetState& target, const Settings& settings) {
     RecoveryResult result;
@@ -370,9 +376,8 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
     result.law = found.law;
     result.mesher = found.mesher;
     add_motion(found, reference, target, settings, result);
-    for (const Index region : result.mesh.region)
-        result.element_stiffness_kpa.push_back(stiffness_kpa(found.recovery.model, region));
     result.regions = region_results(found, settings);
+    add_element_stiffness(result);
     add_deformations(found, result.regions);
     result.contours = contour_error(found.estimate, target, settings);
     result.correlation = correlation_of(found.estimate.covariance);

@@ -20,4 +20,8 @@ RecoveryResult assemble_result(const Recovered& found, const LabelledState& refe
 void add_motion(const Recovered& found, const LabelledState& reference, const TargetState& target,
                 const Settings& settings, RecoveryResult& result);
 
+/// The stiffness of each element, of its region: what the files say of both is equal to the last
+/// digit.
+void add_element_stiffness(RecoveryResult& result);
+
 }  // namespace palpate

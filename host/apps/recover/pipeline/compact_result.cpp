@@ -186,9 +186,7 @@ RecoveryResult expand_result(const CompactResult& kept, const Segmentation& refe
     result.surfaces.clear();
     add_motion(found, before, after, settings, result);
     result.warnings = warnings;
-    for (const Index region : result.mesh.region)
-        for (const RegionResult& r : result.regions)
-            if (r.region == region) result.element_stiffness_kpa.push_back(r.most_probable_kpa);
+    add_element_stiffness(result);
     return result;
 }
 
