@@ -11,6 +11,8 @@ import pytest
 
 pytest.importorskip("distributed", reason="Dask is not installed (pip install palpate[dask])")
 
+from palpate.cohort.dask_engine import Engine  # noqa: E402
+from palpate.cohort.errors import STOPPED, CohortError  # noqa: E402
 from tests.cli.test_cohort import assert_each_case_is_done_once, children_of, plan, rows_of, run, status, wait_until  # noqa: E402
 from tests.cli.test_cohort_machines import broken  # noqa: E402
 from tests.conftest import PROGRAM, run_palpate  # noqa: E402
@@ -103,6 +105,51 @@ def test_without_its_scheduler_the_engine_ends_and_goes_on_with_another(cluster,
     code, out, errors = end_of(engine(cohort, "--jobs", 2))
     assert code == 0 and "36 done" in out, errors
     assert_each_case_is_done_once(cohort, 36)
+
+
+class ClientOfNobody:
+    """Does not know yet that its scheduler has gone."""
+    status = "running"
+
+    def nthreads(self):
+        raise OSError("connection reset")
+
+
+def test_whichever_call_sees_first_that_the_scheduler_is_gone():
+    with pytest.raises(CohortError, match="the scheduler is gone") as caught:
+        Engine(ClientOfNobody(), "palpate", "cohort", 3).run(print)
+    assert caught.value.status == STOPPED
+
+
+class ClientThatLoses(ClientOfNobody):
+    """One worker that loses the first six shards at once, and works from then on."""
+
+    def __init__(self):
+        self.handed_out = 0
+
+    def nthreads(self):
+        return {"tcp://worker": 3}
+
+    def submit(self, *_, **__):
+        self.handed_out += 1
+        return Future(self.handed_out <= 6)
+
+
+class Future:
+    def __init__(self, lost):
+        self.status = "cancelled" if lost else "finished"
+
+    def result(self):
+        return 0, "", "tcp://worker"
+
+
+def test_many_shards_lost_at_once_are_one_loss(monkeypatch):
+    monkeypatch.setattr("distributed.wait", lambda *_, **__: None)
+    monkeypatch.setattr("palpate.cohort.dask_engine.status_of",
+                        lambda *_: {"cases": {"done": 0, "not converged": 0, "failed": 0}})
+    lost = Engine(ClientThatLoses(), "palpate", "cohort", 8)
+    lost.run(lambda over: None)
+    assert lost.lost == 6 and not lost.waiting and not lost.running
 
 
 def test_a_signal_stops_the_engine_and_what_it_started(cluster, tmp_path):

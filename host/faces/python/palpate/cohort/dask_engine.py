@@ -71,6 +71,16 @@ def stop_on_worker(dask_worker=None) -> None:
         process.terminate()
 
 
+@contextlib.contextmanager
+def asking_the_scheduler():
+    """Around a call that needs its answer; its end may be seen here first, as any of several errors. Raises CohortError."""
+    try:
+        yield
+    except Exception as error:
+        raise CohortError(f"the scheduler is gone ({type(error).__name__}); what is done stays: start it, and this command again",
+                          STOPPED) from error
+
+
 @dataclasses.dataclass
 class Task:
     shard: int
@@ -94,7 +104,9 @@ class Engine:
 
     def good_workers(self) -> dict[str, int]:
         """Slots of those that nothing is known against."""
-        return {worker: slots for worker, slots in self.client.nthreads().items() if worker not in self.broken}
+        with asking_the_scheduler():
+            slots_of = self.client.nthreads()
+        return {worker: slots for worker, slots in slots_of.items() if worker not in self.broken}
 
     def slots(self) -> int:
         return sum(self.good_workers().values())
@@ -107,8 +119,9 @@ class Engine:
         while self.waiting and len(self.running) < max(1, WINDOW_PER_SLOT * sum(good.values())):
             shard = self.waiting.popleft()
             # Never taken for an earlier call of the same words; a lost worker is our business, not the scheduler's.
-            future = self.client.submit(run_shard, self.program, self.cohort, shard, self.count, pure=False, retries=0,
-                                        workers=sorted(allowed) if allowed else None)
+            with asking_the_scheduler():
+                future = self.client.submit(run_shard, self.program, self.cohort, shard, self.count, pure=False, retries=0,
+                                            workers=sorted(allowed) if allowed else None)
             self.running[future] = Task(shard, allowed)
 
     def take_back_what_nobody_may_run(self) -> None:
@@ -120,27 +133,27 @@ class Engine:
                 future.cancel()
                 self.waiting.append(task.shard)
 
-    def take(self, future) -> None:
-        """What became of a shard. Raises CohortError where going on makes no sense."""
+    def take(self, future) -> str:
+        """What became of a shard: why it was lost, or nothing. Raises CohortError where going on makes no sense."""
         shard = self.running.pop(future).shard
         if future.status == "finished":
             code, errors, worker = future.result()
             if code in (0, NOT_CONVERGED):
-                return
+                return ""
             if code == OUTPUT_FAILED:
                 raise CohortError(errors.strip(), OUTPUT_FAILED)
             if code == DEVICE_FAILED:
                 self.waiting.append(shard)
                 self.leave_out(worker, errors.strip())
-                return
+                return ""
             if code != STOPPED and code >= 0 and code < 128:
                 raise CohortError(f"a worker's palpate ended with code {code}: {errors.strip()}", code)
             why = errors.strip() or f"code {code}"
         else:  # killed with its worker, or cancelled: the folder knows what is done
             why = f"its task is {future.status}"
         self.lost += 1
-        self.give_up_without_progress(why)
         self.waiting.append(shard)
+        return why
 
     def leave_out(self, worker: str, why: str) -> None:
         """No more shards for a worker whose machine failed; raises CohortError where it was the last."""
@@ -156,7 +169,7 @@ class Engine:
         self.tries_without_progress = self.tries_without_progress + 1 if over == self.over else 0
         self.over = over
         if self.tries_without_progress >= MOST_TRIES_WITHOUT_PROGRESS:
-            raise CohortError(f"{MOST_TRIES_WITHOUT_PROGRESS} tasks in a row were lost and no case was done; the last: {why}",
+            raise CohortError(f"tasks were lost {MOST_TRIES_WITHOUT_PROGRESS} times and no case was done; the last: {why}",
                               STOPPED)
 
     def run(self, tell) -> None:
@@ -172,10 +185,12 @@ class Engine:
                     wait(list(self.running), timeout=SECONDS_BETWEEN_LOOKS, return_when="FIRST_COMPLETED")
                 else:
                     time.sleep(SECONDS_BETWEEN_LOOKS)
-            if self.client.status != "running":
-                raise CohortError("the scheduler is gone; what is done stays: start it, and this command again", STOPPED)
-            for future in [f for f in self.running if f.status != "pending"]:
-                self.take(future)
+            with asking_the_scheduler():
+                if self.client.status != "running":
+                    raise ConnectionError(self.client.status)
+            lost = [why for future in [f for f in self.running if f.status != "pending"] if (why := self.take(future))]
+            if lost:
+                self.give_up_without_progress(lost[-1])
             self.take_back_what_nobody_may_run()
             tell(self.count - len(self.waiting) - len(self.running))
 
@@ -238,10 +253,12 @@ def run_on_dask(chosen) -> int:
     with connected(chosen) as client:
         if not chosen.scheduler and not chosen.scheduler_file:
             client.wait_for_workers(chosen.jobs, timeout=60)
-        elif not client.nthreads():
-            print("palpate.cohort: waiting for workers", file=sys.stderr)
-            client.wait_for_workers(1)
-        engine = Engine(client, program, cohort, wanted_shards(pathlib.Path(cohort), sum(client.nthreads().values())))
+        with asking_the_scheduler():
+            if not client.nthreads():
+                print("palpate.cohort: waiting for workers", file=sys.stderr)
+                client.wait_for_workers(1)
+            slots = sum(client.nthreads().values())
+        engine = Engine(client, program, cohort, wanted_shards(pathlib.Path(cohort), slots))
         try:
             engine.run(lambda over: show(f"{over} of {engine.count} shards, {engine.slots()} slots, {time.monotonic() - begin:.0f} s"))
         except BaseException:
