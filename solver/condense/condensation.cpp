@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <string>
 
 #include "solver/base/error.hpp"
 #include "solver/base/parallel.hpp"
 #include "solver/condense/region_mechanics.hpp"
+#include "solver/equilibrium/solid_assembly.hpp"
 #include "solver/materials/registry.hpp"
 #include "solver/model/node_rows.hpp"
 
@@ -136,13 +138,6 @@ Index num_columns_of(const SubModel& sub) {
     return 3 * static_cast<Index>(sub.observed_nodes.size());
 }
 
-/// The part of a region's nodal forces that is at its observed nodes.
-void set_force(SubModel& sub, const Eigen::VectorXd& force) {
-    sub.block.observed_force.resize(num_columns_of(sub));
-    for (std::size_t i = 0; i < sub.observed_nodes.size(); ++i)
-        sub.block.observed_force.segment<3>(3 * i) = force.segment<3>(3 * sub.observed_nodes[i]);
-}
-
 /// Every free node must hang together with a prescribed one, or K_ii is singular.
 void require_held(const SubModel& sub) {
     const Adjacency graph = node_graph(sub.model.mesh);
@@ -200,14 +195,22 @@ void add_to(LinearSolverSummary& total, const LinearSolverSummary& part) {
 using MakeMechanics = std::function<std::unique_ptr<RegionMechanics>(
     const SubModel& sub, const LinearSolverOptions& options)>;
 
+/// Motions of a region's observed nodes: sets `b` [dofs of the region, columns] there, those from
+/// number `first` on.
+using SetMotions = std::function<void(Index first, Columns& b)>;
+/// Takes the region's displacements x for the motions from number `first` on.
+using TakeColumns =
+    std::function<void(const RegionMechanics& region, Index first, const Columns& x)>;
+
 class Condensation {
 public:
     Condensation(const LinearSolverOptions& options, const ProgressSink& progress, Index columns)
         : options_(options), progress_(progress), total_columns_(columns) {}
 
-    void run(SubModel& sub, const MakeMechanics& make_mechanics) {
+    /// x_b as `set` has it and x_i = -K_ii^-1 K_ib x_b, all other boundary dofs at 0.
+    void run(const SubModel& sub, const MakeMechanics& make_mechanics, Index num_columns,
+             const SetMotions& set, const TakeColumns& take) {
         require_held(sub);
-        const Index num_columns = num_columns_of(sub);
         LinearSolverOptions options = options_;
         options.expected_columns = num_columns;
         const auto region = make_mechanics(sub, options);
@@ -215,40 +218,22 @@ public:
             most_columns_ = num_columns;
             summary.solver = region->describe();
         }
-        sub.block.observed_observed.resize(num_columns, num_columns);
-        sub.block.observed_driven.resize(num_columns, 3 * sub.driven_nodes.size());
         for (Index first = 0; first < num_columns; first += columns_per_call) {
             const Index count = std::min(columns_per_call, num_columns - first);
-            // Columns of S_r = K_bb - K_bi K_ii^-1 K_ib (method.md, 1.2), those of observed dofs
-            // only.
-            const Columns x = solve_unit_displacements(sub, *region, first, count);
-            sub.block.observed_observed.middleCols(first, count) =
-                reactions(region->stiffness(), sub.observed_nodes, x);
-            if (!sub.driven_nodes.empty())
-                // S_od = S_do^T: the rows at driven nodes of columns that are solved for anyway
-                sub.block.observed_driven.middleRows(first, count) =
-                    reactions(region->stiffness(), sub.driven_nodes, x).transpose();
+            Columns b = Columns::Zero(sub.model.num_dofs(), count);
+            set(first, b);
+            take(*region, first, solved(sub, *region, b));
         }
-        symmetrise(sub.block.observed_observed);
-        if (region->force().size() > 0) set_force(sub, region->force());
     }
 
     CondensationSummary summary;
 
 private:
-    /// Column j: observed dof `first + j` moves by 1 mm, all other boundary dofs stay.
-    Columns solve_unit_displacements(const SubModel& sub, RegionMechanics& region, Index first,
-                                     Index count) {
-        Columns b = Columns::Zero(sub.model.num_dofs(), count);
-        for (Index j = 0; j < count; ++j) {
-            const Index dof = first + j;
-            // x_b = e_j, K_ii x_i = -K_ib e_j
-            b(3 * sub.observed_nodes[dof / 3] + dof % 3, j) = 1;
-        }
+    Columns solved(const SubModel& sub, RegionMechanics& region, const Columns& b) {
         Columns x;
         const LinearSolverSummary part = region.solve(b, x);
         add_to(summary.linear, part);
-        summary.columns += count;
+        summary.columns += static_cast<Index>(b.cols());
         if (!part.converged)
             throw Error(ErrorCode::solve_failed, "Condensation: the interior solve of region " +
                                                      std::to_string(sub.block.region) +
@@ -262,18 +247,76 @@ private:
         return x;
     }
 
-    static void symmetrise(Eigen::MatrixXd& matrix) {
-        for (Eigen::Index j = 0; j < matrix.cols(); ++j)
-            for (Eigen::Index i = 0; i < j; ++i)
-                // (S + S^T) / 2: what solves to a finite residual leave of asymmetry
-                matrix(i, j) = matrix(j, i) = 0.5 * (matrix(i, j) + matrix(j, i));
-    }
-
     const LinearSolverOptions& options_;
     const ProgressSink& progress_;
     Index total_columns_;
     Index most_columns_ = 0;  ///< of the regions so far
 };
+
+void symmetrise(Eigen::MatrixXd& matrix) {
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j)
+        for (Eigen::Index i = 0; i < j; ++i)
+            // (S + S^T) / 2: what solves to a finite residual leave of asymmetry
+            matrix(i, j) = matrix(j, i) = 0.5 * (matrix(i, j) + matrix(j, i));
+}
+
+/// All columns of the observed nodes.
+void condense_region(Condensation& condensation, SubModel& sub,
+                     const MakeMechanics& make_mechanics) {
+    const Index num_columns = num_columns_of(sub);
+    sub.block.observed_observed.resize(num_columns, num_columns);
+    sub.block.observed_driven.resize(num_columns, 3 * sub.driven_nodes.size());
+    const auto unit_motions = [&](Index first, Columns& b) {
+        for (Index j = 0; j < b.cols(); ++j) {
+            const Index dof = first + j;
+            b(3 * sub.observed_nodes[dof / 3] + dof % 3, j) = 1;
+        }
+    };
+    const auto take = [&](const RegionMechanics& region, Index first, const Columns& x) {
+        // Columns of S_r = K_bb - K_bi K_ii^-1 K_ib (method.md, 1.2), those of observed dofs only.
+        sub.block.observed_observed.middleCols(first, x.cols()) =
+            reactions(region.stiffness(), sub.observed_nodes, x);
+        if (!sub.driven_nodes.empty())
+            // S_od = S_do^T: the rows at driven nodes of columns that are solved for anyway
+            sub.block.observed_driven.middleRows(first, x.cols()) =
+                reactions(region.stiffness(), sub.driven_nodes, x).transpose();
+    };
+    condensation.run(sub, make_mechanics, num_columns, unit_motions, take);
+    symmetrise(sub.block.observed_observed);
+}
+
+/// Those rows of motions of all observed or driven nodes that are of a region's.
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& motions, const std::vector<Index>& positions) {
+    Eigen::MatrixXd rows(3 * positions.size(), motions.cols());
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        rows.middleRows<3>(3 * i) = motions.middleRows<3>(3 * positions[i]);
+    return rows;
+}
+
+CondensedMotions condense_motions(Condensation& condensation, const SubModel& sub,
+                                  const MakeMechanics& make_mechanics,
+                                  const Eigen::MatrixXd& observed_motions,
+                                  const Eigen::MatrixXd& driven_motions) {
+    const Eigen::MatrixXd own = rows_of(observed_motions, sub.block.observed);
+    const Eigen::MatrixXd walls = rows_of(driven_motions, sub.block.driven);
+    CondensedMotions found{sub.block.region, Eigen::MatrixXd(own.cols(), own.cols()),
+                           Eigen::MatrixXd::Zero(own.cols(), walls.cols())};
+    const auto set = [&](Index first, Columns& b) {
+        for (std::size_t i = 0; i < sub.observed_nodes.size(); ++i)
+            b.middleRows<3>(3 * sub.observed_nodes[i]) = own.block(3 * i, first, 3, b.cols());
+    };
+    const auto take = [&](const RegionMechanics& region, Index first, const Columns& x) {
+        // V^T S_oo V and (S_do V)^T D
+        found.stiffness.middleCols(first, x.cols()).noalias() =
+            own.transpose() * reactions(region.stiffness(), sub.observed_nodes, x);
+        if (!sub.driven_nodes.empty())
+            found.coupling.middleRows(first, x.cols()).noalias() =
+                reactions(region.stiffness(), sub.driven_nodes, x).transpose() * walls;
+    };
+    condensation.run(sub, make_mechanics, static_cast<Index>(own.cols()), set, take);
+    symmetrise(found.stiffness);
+    return found;
+}
 
 /// The regions that an observed node touches.
 std::vector<SubModel> observed_regions(const SolidModel& model, const std::vector<Index>& observed,
@@ -289,27 +332,18 @@ std::vector<SubModel> observed_regions(const SolidModel& model, const std::vecto
     return parts;
 }
 
-std::vector<CondensedRegion> condense_regions(
-    const SolidModel& model, const std::vector<Index>& observed, const std::vector<Index>& driven,
-    const MakeMechanics& make_mechanics, const LinearSolverOptions& options,
-    CondensationSummary* summary, const ProgressSink& progress) {
+/// `work(condensation, part)` for all of them. `columns`: solves of all together.
+template <typename Work>
+void condense_each(std::vector<SubModel>& parts, Index columns, const LinearSolverOptions& options,
+                   CondensationSummary* summary, const ProgressSink& progress, Work&& work) {
     const auto start = std::chrono::steady_clock::now();
-    std::vector<SubModel> parts = observed_regions(model, observed, driven);
-    Index columns = 0;
-    for (const SubModel& sub : parts) columns += num_columns_of(sub);
     Condensation condensation(options, progress, columns);
-    std::vector<CondensedRegion> result;
-    for (SubModel& sub : parts) {
-        condensation.run(sub, make_mechanics);
-        result.push_back(std::move(sub.block));
-    }
-    if (summary) {
-        *summary = condensation.summary;
-        summary->linear.converged = true;
-        summary->seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-    return result;
+    for (SubModel& sub : parts) work(condensation, sub);
+    if (!summary) return;
+    *summary = condensation.summary;
+    summary->linear.converged = true;
+    summary->seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void check_state(const Eigen::VectorXd& displacement, const SolidModel& model) {
@@ -318,6 +352,15 @@ void check_state(const Eigen::VectorXd& displacement, const SolidModel& model) {
                     "Condensation: a state needs 3 displacements per node, " +
                         std::to_string(model.num_dofs()) + ", not " +
                         std::to_string(displacement.size()) + ".");
+}
+
+void check_motions(const Eigen::MatrixXd& motions, const std::vector<Index>& nodes,
+                   const char* name) {
+    if (motions.rows() != static_cast<Eigen::Index>(3 * nodes.size()))
+        throw Error(ErrorCode::invalid_argument,
+                    "Condensation: motions of the " + std::string(name) + " nodes need " +
+                        std::to_string(3 * nodes.size()) + " rows, not " +
+                        std::to_string(motions.rows()) + ".");
 }
 
 }  // namespace
@@ -329,32 +372,54 @@ std::vector<CondensedRegion> condense(const SolidModel& model, const std::vector
     const auto at_rest = [](const SubModel& sub, const LinearSolverOptions& solver) {
         return make_region_at_rest(sub.model, solver);
     };
-    return condense_regions(model, observed, driven, at_rest, options, summary, progress);
-}
-
-std::vector<CondensedRegion> condense_at(const Eigen::VectorXd& displacement,
-                                         const SolidModel& model,
-                                         const std::vector<Index>& observed,
-                                         const std::vector<Index>& driven,
-                                         const LinearSolverOptions& options,
-                                         CondensationSummary* summary,
-                                         const ProgressSink& progress) {
-    check_state(displacement, model);
-    const auto tangent = [&](const SubModel& sub, const LinearSolverOptions& solver) {
-        return make_tangent_region(sub.model, at_nodes(displacement, sub.nodes), solver);
-    };
-    return condense_regions(model, observed, driven, tangent, options, summary, progress);
-}
-
-std::vector<CondensedRegion> region_forces(const Eigen::VectorXd& displacement,
-                                           const SolidModel& model,
-                                           const std::vector<Index>& observed,
-                                           const std::vector<Index>& driven) {
-    check_state(displacement, model);
+    std::vector<SubModel> parts = observed_regions(model, observed, driven);
+    Index columns = 0;
+    for (const SubModel& sub : parts) columns += num_columns_of(sub);
     std::vector<CondensedRegion> result;
-    for (SubModel& sub : observed_regions(model, observed, driven)) {
-        set_force(sub, force_of_region(sub.model, at_nodes(displacement, sub.nodes)));
-        result.push_back(std::move(sub.block));
+    condense_each(parts, columns, options, summary, progress,
+                  [&](Condensation& condensation, SubModel& sub) {
+                      condense_region(condensation, sub, at_rest);
+                      result.push_back(std::move(sub.block));
+                  });
+    return result;
+}
+
+std::vector<CondensedMotions> condense_at(
+    const Eigen::VectorXd& displacement, const SolidModel& model,
+    const std::vector<Index>& observed, const std::vector<Index>& driven,
+    const Eigen::MatrixXd& observed_motions, const Eigen::MatrixXd& driven_motions,
+    const LinearSolverOptions& options, CondensationSummary* summary,
+    const ProgressSink& progress) {
+    check_state(displacement, model);
+    check_motions(observed_motions, observed, "observed");
+    check_motions(driven_motions, driven, "driven");
+    const auto tangent = [&](const SubModel& sub, const LinearSolverOptions& solver) {
+        return make_tangent_mechanics(sub.model, at_nodes(displacement, sub.nodes), solver);
+    };
+    std::vector<SubModel> parts = observed_regions(model, observed, driven);
+    const auto columns = static_cast<Index>(observed_motions.cols() * parts.size());
+    std::vector<CondensedMotions> result;
+    condense_each(parts, columns, options, summary, progress,
+                  [&](Condensation& condensation, const SubModel& sub) {
+                      result.push_back(condense_motions(condensation, sub, tangent,
+                                                        observed_motions, driven_motions));
+                  });
+    return result;
+}
+
+std::vector<RegionForce> region_forces(const Eigen::VectorXd& displacement, const SolidModel& model,
+                                       const std::vector<Index>& observed,
+                                       const std::vector<Index>& driven) {
+    check_state(displacement, model);
+    std::vector<RegionForce> result;
+    for (const SubModel& sub : observed_regions(model, observed, driven)) {
+        const Eigen::VectorXd u = at_nodes(displacement, sub.nodes);
+        const Eigen::VectorXd force = SolidAssembly(sub.model).internal_force(u).force;
+        RegionForce own{sub.block.region, Eigen::VectorXd::Zero(3 * observed.size())};
+        for (std::size_t i = 0; i < sub.observed_nodes.size(); ++i)
+            own.force.segment<3>(3 * sub.block.observed[i]) =
+                force.segment<3>(3 * sub.observed_nodes[i]);
+        result.push_back(std::move(own));
     }
     return result;
 }

@@ -20,8 +20,6 @@ struct CondensedRegion {
     std::vector<Index> driven;          ///< positions in the driven node list, ascending
     Eigen::MatrixXd observed_observed;  ///< [3 |observed|, 3 |observed|], mN/mm per kPa, symmetric
     Eigen::MatrixXd observed_driven;    ///< [3 |observed|, 3 |driven|]
-    /// [3 |observed|] mN per kPa, internal forces of the state that was linearised; empty at rest.
-    Eigen::VectorXd observed_force = {};
 };
 
 struct CondensationSummary {
@@ -45,26 +43,41 @@ std::vector<CondensedRegion> condense(const SolidModel& model, const std::vector
                                       CondensationSummary* summary = nullptr,
                                       const ProgressSink& progress = {});
 
-/// The same for a body linearised at an equilibrium u* of its laws, which it is for some moduli E*:
-/// forces and tangent are sums over the regions, f = sum_r E_r f_r and K = sum_r E_r K_r(u*), so
-/// for other moduli and wall motions, to first order,
-///   sum_r E_r (g_r + S_r,oo (u_o - u_o*) + S_r,od (u_d - u_d*)) = 0
-/// with g_r the forces of region r at the observed nodes. At interior nodes each region alone is
-/// in equilibrium, whatever its modulus. Solved directly on the host.
-///   displacement  u*, [3 num_nodes] mm
-/// Throws Error(solve_failed) also where a region is not stable.
-std::vector<CondensedRegion> condense_at(const Eigen::VectorXd& displacement,
-                                         const SolidModel& model,
-                                         const std::vector<Index>& observed,
-                                         const std::vector<Index>& driven,
-                                         const LinearSolverOptions& options,
-                                         CondensationSummary* summary = nullptr,
-                                         const ProgressSink& progress = {});
+/// What condensation leaves of one region at unit modulus, for m motions V of the observed nodes
+/// and k motions D of the driven ones.
+struct CondensedMotions {
+    Index region = 0;
+    Eigen::MatrixXd stiffness;  ///< V^T S_oo V [m, m], mN mm per kPa, symmetric
+    Eigen::MatrixXd coupling;   ///< V^T S_od D [m, k]
+};
 
-/// The g_r of `condense_at` alone, with the regions and their observed nodes; no blocks.
-std::vector<CondensedRegion> region_forces(const Eigen::VectorXd& displacement,
-                                           const SolidModel& model,
-                                           const std::vector<Index>& observed,
-                                           const std::vector<Index>& driven);
+/// A body linearised at an equilibrium u* of its laws, which it is for some moduli E*: forces and
+/// tangent are sums over the regions, f = sum_r E_r f_r and K = sum_r E_r K_r(u*), so for other
+/// moduli and wall motions, to first order,
+///   sum_r E_r (g_r + S_r,oo (u_o - u_o*) + S_r,od (u_d - u_d*)) = 0
+/// with g_r the forces of region r at the observed nodes (`region_forces`). At interior nodes each
+/// region alone is in equilibrium, whatever its modulus. One solve a motion V, directly on the
+/// host.
+///   displacement                u*, [3 num_nodes] mm
+///   observed_motions            V [3 |observed|, m]
+///   driven_motions              D [3 |driven|, k]
+/// Throws Error(solve_failed) also where a region is not stable.
+std::vector<CondensedMotions> condense_at(
+    const Eigen::VectorXd& displacement, const SolidModel& model,
+    const std::vector<Index>& observed, const std::vector<Index>& driven,
+    const Eigen::MatrixXd& observed_motions, const Eigen::MatrixXd& driven_motions,
+    const LinearSolverOptions& options, CondensationSummary* summary = nullptr,
+    const ProgressSink& progress = {});
+
+/// Internal forces of one region at unit modulus.
+struct RegionForce {
+    Index region = 0;
+    Eigen::VectorXd force;  ///< g_r [3 |observed|] mN per kPa
+};
+
+/// The g_r of `condense_at`, for the same regions in the same order.
+std::vector<RegionForce> region_forces(const Eigen::VectorXd& displacement, const SolidModel& model,
+                                       const std::vector<Index>& observed,
+                                       const std::vector<Index>& driven);
 
 }  // namespace palpate

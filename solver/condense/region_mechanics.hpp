@@ -11,18 +11,16 @@
 
 namespace palpate {
 
-/// The nodes and elements of one region as a model of its own: what condensation asks of whatever
-/// mechanics the region obeys, all at unit modulus.
+/// What condensation asks of a body, most often one region at unit modulus, whatever mechanics it
+/// obeys.
 class RegionMechanics {
 public:
     virtual ~RegionMechanics() = default;
-    /// K of the region without regard to prescribed dofs, mN/mm per kPa.
+    /// K without regard to prescribed dofs, mN/mm.
     virtual const StiffnessMatrix& stiffness() const = 0;
     /// As `LinearSolver::solve`.
     virtual LinearSolverSummary solve(const Columns& b, Columns& x) = 0;
     virtual LinearSolverInfo describe() const = 0;
-    /// [3 num_nodes] mN per kPa: the internal forces where the stiffness was taken; empty at rest.
-    virtual const Eigen::VectorXd& force() const = 0;
 };
 
 /// At rest. `part`: one material of modulus 1.
@@ -31,11 +29,8 @@ std::unique_ptr<RegionMechanics> make_region_at_rest(const SolidModel& part,
 
 /// The tangent at the displacement u [3 num_nodes] mm. Throws Error(solve_failed) if it is not
 /// positive definite on the free dofs: the state is not stable.
-std::unique_ptr<RegionMechanics> make_tangent_region(const SolidModel& part,
-                                                     const Eigen::VectorXd& u,
-                                                     const LinearSolverOptions& options);
-
-/// Its `force` alone.
-Eigen::VectorXd force_of_region(const SolidModel& part, const Eigen::VectorXd& u);
+std::unique_ptr<RegionMechanics> make_tangent_mechanics(const SolidModel& body,
+                                                        const Eigen::VectorXd& u,
+                                                        const LinearSolverOptions& options);
 
 }  // namespace palpate

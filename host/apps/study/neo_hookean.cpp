@@ -58,7 +58,7 @@ Outcome recover_neo_hookean(const NeoHookeanTruth& truth, const StudyOptions& op
     search.modulus_tolerance_sd = 0.3;
     search.model_sd_ln = 0;
     search.max_rounds = 12;
-    search.response = exact_response(0.002);
+    search.tangent_tolerance_mm = 0.01;
     search.solver = solver;
     Outcome outcome;
     outcome.found = search_finite_strain(

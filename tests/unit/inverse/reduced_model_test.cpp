@@ -30,14 +30,6 @@ struct Dense {
     }
 };
 
-/// Forces of a state that is not at rest, per kPa.
-std::vector<CondensedRegion> with_forces(SmallProblem& f) {
-    std::vector<CondensedRegion> regions = f.model.regions();
-    for (CondensedRegion& region : regions)
-        region.observed_force = f.noise(3 * static_cast<Index>(region.observed.size()));
-    return regions;
-}
-
 TEST(ReducedModel, SumsTheBlocksOfItsRegions) {
     SmallProblem f;
     const Dense dense(f.model);
@@ -50,7 +42,6 @@ TEST(ReducedModel, SumsTheBlocksOfItsRegions) {
                dense.coupling.transpose() * on_observed)
                   .norm(),
               1e-10);
-    EXPECT_EQ(f.model.imbalance(kpa).norm(), 0);
     EXPECT_TRUE(f.model.has_region(3));
     EXPECT_FALSE(f.model.has_region(0));
 }
@@ -64,36 +55,6 @@ TEST(ReducedModel, ObservedNodesAreInEquilibrium) {
     EXPECT_LT((dense.stiffness * u + dense.coupling * f.driven).norm(),
               1e-10 * (dense.coupling * f.driven).norm());
     EXPECT_GT(u.norm(), 0.01);
-}
-
-TEST(ReducedModel, IsLinearisedAboutTheStateThatItMovedTo) {
-    SmallProblem f;
-    const Dense dense(f.model);
-    const std::vector<CondensedRegion> forces = with_forces(f);
-    Eigen::VectorXd imbalance = Eigen::VectorXd::Zero(f.model.observed_dofs());
-    for (const CondensedRegion& region : forces)
-        for (std::size_t a = 0; a < region.observed.size(); ++a)
-            imbalance.segment<3>(3 * region.observed[a]) +=
-                kpa[region.region] * region.observed_force.segment<3>(3 * a);
-    const LinearisationPoint point{f.noise(f.model.driven_dofs()),
-                                   f.noise(f.model.observed_dofs())};
-
-    f.model.move_to(point, forces);
-    const Eigen::VectorXd u = f.model.observed_displacement(kpa, f.driven);
-
-    EXPECT_LT((f.model.imbalance(kpa) - imbalance).norm(), 1e-12 * imbalance.norm());
-    EXPECT_LT((dense.stiffness * (u - point.observed) + dense.coupling * (f.driven - point.driven) +
-               imbalance)
-                  .norm(),
-              1e-9 * imbalance.norm());
-}
-
-TEST(ReducedModel, RefusesForcesOfOtherRegions) {
-    SmallProblem f;
-    std::vector<CondensedRegion> forces = with_forces(f);
-    forces.back().observed.front() += 1;
-
-    EXPECT_THROW(f.model.move_to({f.driven, f.observed}, forces), Error);
 }
 
 TEST(ReducedModel, SaysSoWhereTissueIsNotStable) {

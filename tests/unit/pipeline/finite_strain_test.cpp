@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <string>
 
+#include "host/apps/recover/inverse/tangent_response.hpp"
 #include "host/apps/recover/pipeline/recover.hpp"
 #include "host/geometry/surfaces/surface_shape.hpp"
 #include "solver/base/error.hpp"
@@ -48,11 +50,11 @@ struct Block {
         options.method = LinearMethod::direct;
         return options;
     }
-    Mechanics mechanics() const {
+    Mechanics mechanics(double tolerance_mm = 0.001) const {
         StageTimer timer;
-        MechanicsOptions fine;
-        fine.response.tolerance_mm = 0.001;
-        return make_mechanics(body_mesh(mesh, element), settings, solver(), fine, timer);
+        MechanicsOptions options;
+        options.response.tolerance_mm = tolerance_mm;
+        return make_mechanics(body_mesh(mesh, element), settings, solver(), options, timer);
     }
     /// [3 num_nodes] mm: the body with the balloon's wall moved outward.
     Eigen::VectorXd blown_up(double mm, const TissueLaw& law = {"neo-hookean"}) const {
@@ -90,7 +92,7 @@ struct Block {
         options.search.fit_walls = false;
         options.search.smallest_noise_scale = 0.02;
         options.search.noise_iterations = 3;
-        options.response.tolerance_mm = 0.001;
+        options.tangent_tolerance_mm = 0.005;
         options.solver = solver();
         options.model_sd_ln = 0;
         return options;
@@ -167,6 +169,66 @@ TEST(FiniteStrain, ChangesNothingForTheLinearLaw) {
     for (int end : {0, 1})
         EXPECT_NEAR(found.estimate.interval_kpa[0][end] / found.first.interval_kpa[0][end], 1,
                     0.01);
+}
+
+/// u_o of every observed degree of freedom, by dense condensation: no modes, no functionals.
+Eigen::MatrixXd exact_answers(const DeformedBody& body, const std::vector<double>& kpa,
+                              const Eigen::MatrixXd& walls) {
+    const auto n = Eigen::Index(3 * body.observed.size()), d = Eigen::Index(3 * body.driven.size());
+    const auto regions = condense_at(body.displacement, body.model, body.observed, body.driven,
+                                     Eigen::MatrixXd::Identity(n, n),
+                                     Eigen::MatrixXd::Identity(d, d), Block::solver());
+    const auto forces = region_forces(body.displacement, body.model, body.observed, body.driven);
+    const LinearisationPoint point = point_of(body);
+    Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(n, n);
+    Eigen::MatrixXd load = Eigen::MatrixXd::Zero(n, walls.cols());
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+        const double modulus = kpa[regions[r].region];
+        stiffness += modulus * regions[r].stiffness;
+        load += modulus * (regions[r].coupling * (walls.colwise() - point.driven));
+        load.colwise() += modulus * forces[r].force;
+    }
+    return (-stiffness.llt().solve(load)).colwise() + point.observed;
+}
+
+/// Root mean square over nodes of what a response leaves out, the ball `factor` times as stiff.
+double error_mm(const ResponseModel& response, const DeformedBody& body, double factor,
+                const Eigen::MatrixXd& walls) {
+    std::vector<double> kpa = moduli_of(body.model);
+    kpa[2] *= factor;
+    const Eigen::MatrixXd exact = exact_answers(body, kpa, walls);
+    double squares = 0;
+    for (Eigen::Index k = 0; k < walls.cols(); ++k)
+        squares += (response.observed_displacement(kpa, walls.col(k)) - exact.col(k)).squaredNorm();
+    return std::sqrt(squares / double(body.observed.size() * walls.cols()));
+}
+
+TEST(TangentResponse, AnswersAsTheCondensedTangentDoes) {
+    const Block block;
+    TangentOptions options;
+    options.tolerance_mm = 0.02;
+    options.solver = Block::solver();
+    const Mechanics rest = block.mechanics(options.tolerance_mm);
+    const RecoveryModel& recovery = rest.recovery;
+    SolidModel model = with_law(recovery.model, {"neo-hookean"});
+    set_stiffness(model, 2, true_kpa);
+    const DeformedBody body{model, recovery.observed, recovery.driven, block.blown_up(4)};
+    const Eigen::MatrixXd walls = rest.walls.samples(3, 77).colwise() + point_of(body).driven;
+
+    const TangentResponse found = tangent_response(body, rest.response, rest.walls, {2}, options);
+
+    EXPECT_EQ(found.reach, options.reach);
+    EXPECT_TRUE(found.model.is_diagonal_in(2));
+    EXPECT_LT(found.model.num_modes(), found.model.observed_dofs());
+    for (const double factor : {0.4, 1.0, 2.5})
+        EXPECT_LT(error_mm(found.model, body, factor, walls), 2 * options.tolerance_mm) << factor;
+
+    // 0.3 mm further the modes are a little stale, the tangent is not.
+    const DeformedBody near{model, recovery.observed, recovery.driven, block.blown_up(4.3)};
+    const Eigen::MatrixXd moved = walls.colwise() + (point_of(near).driven - point_of(body).driven);
+    const ResponseModel again = tangent_response_near(near, found.model, {2}, Block::solver());
+    for (const double factor : {0.4, 1.0, 2.5})
+        EXPECT_LT(error_mm(again, near, factor, moved), 3 * options.tolerance_mm) << factor;
 }
 
 TEST(FiniteStrain, SaysThatItDidNotSettle) {

@@ -55,9 +55,21 @@ struct Scene {
             part.segment<3>(3 * k) = u.segment<3>(3 * observed[k]);
         return part;
     }
-    std::vector<CondensedRegion> condensed_at(const Eigen::VectorXd& u) const {
-        return condense_at(u, solid_model_of(model, law), observed, driven,
+    std::vector<CondensedMotions> condensed_at(const Eigen::VectorXd& u, const Eigen::MatrixXd& v,
+                                               const Eigen::MatrixXd& d) const {
+        return condense_at(u, solid_model_of(model, law), observed, driven, v, d,
                            fixtures::solver_on("reference"));
+    }
+    /// For every motion of the observed and driven nodes.
+    std::vector<CondensedMotions> condensed_at(const Eigen::VectorXd& u) const {
+        return condensed_at(u, identity(observed), identity(driven));
+    }
+    std::vector<RegionForce> forces_at(const Eigen::VectorXd& u) const {
+        return region_forces(u, solid_model_of(model, law), observed, driven);
+    }
+    static Eigen::MatrixXd identity(const std::vector<Index>& nodes) {
+        const auto n = static_cast<Eigen::Index>(3 * nodes.size());
+        return Eigen::MatrixXd::Identity(n, n);
     }
 };
 
@@ -66,25 +78,30 @@ struct Sums {
     Eigen::MatrixXd stiffness, coupling;
     Eigen::VectorXd force;
 
-    Sums(const Scene& scene, const std::vector<CondensedRegion>& regions)
+    Sums(const Scene& scene, const std::vector<CondensedMotions>& regions,
+         const std::vector<RegionForce>& forces)
         : stiffness(Eigen::MatrixXd::Zero(3 * scene.observed.size(), 3 * scene.observed.size())),
           coupling(Eigen::MatrixXd::Zero(3 * scene.observed.size(), 3 * scene.driven.size())),
           force(Eigen::VectorXd::Zero(3 * scene.observed.size())) {
-        for (const CondensedRegion& r : regions) {
-            const double kpa = scene.model.materials[r.region].stiffness_kpa;
-            for (std::size_t i = 0; i < r.observed.size(); ++i) {
-                if (r.observed_force.size() > 0)
-                    force.segment<3>(3 * r.observed[i]) += kpa * r.observed_force.segment<3>(3 * i);
-                for (std::size_t j = 0; j < r.observed.size(); ++j)
-                    stiffness.block<3, 3>(3 * r.observed[i], 3 * r.observed[j]) +=
-                        kpa * r.observed_observed.block<3, 3>(3 * i, 3 * j);
-                for (std::size_t j = 0; j < r.driven.size(); ++j)
-                    coupling.block<3, 3>(3 * r.observed[i], 3 * r.driven[j]) +=
-                        kpa * r.observed_driven.block<3, 3>(3 * i, 3 * j);
-            }
+        for (std::size_t r = 0; r < regions.size(); ++r) {
+            const double kpa = scene.model.materials[regions[r].region].stiffness_kpa;
+            stiffness += kpa * regions[r].stiffness;
+            coupling += kpa * regions[r].coupling;
+            force += kpa * forces[r].force;
         }
     }
 };
+
+/// Rows of all observed or driven nodes for those of one region.
+Eigen::MatrixXd spread_to(const Eigen::MatrixXd& block, const std::vector<Index>& rows,
+                          Eigen::Index num_rows, const std::vector<Index>& columns,
+                          Eigen::Index num_columns) {
+    Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(num_rows, num_columns);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t j = 0; j < columns.size(); ++j)
+            whole.block<3, 3>(3 * rows[i], 3 * columns[j]) = block.block<3, 3>(3 * i, 3 * j);
+    return whole;
+}
 
 TEST(CondenseAt, IsLinearElasticityAtRest) {
     const Scene scene;
@@ -95,11 +112,36 @@ TEST(CondenseAt, IsLinearElasticityAtRest) {
                                  fixtures::solver_on("reference"));
     ASSERT_EQ(rest.size(), linear.size());
     for (std::size_t r = 0; r < rest.size(); ++r) {
-        const auto& expected = linear[r].observed_observed;
-        EXPECT_LT((rest[r].observed_observed - expected).norm(), 1e-9 * expected.norm());
-        EXPECT_LT((rest[r].observed_driven - linear[r].observed_driven).norm(),
-                  1e-9 * expected.norm());
-        EXPECT_EQ(rest[r].observed_force.norm(), 0);
+        const CondensedRegion& own = linear[r];
+        const Eigen::MatrixXd stiffness =
+            spread_to(own.observed_observed, own.observed, rest[r].stiffness.rows(), own.observed,
+                      rest[r].stiffness.cols());
+        const Eigen::MatrixXd coupling =
+            spread_to(own.observed_driven, own.observed, rest[r].coupling.rows(), own.driven,
+                      rest[r].coupling.cols());
+        EXPECT_EQ(rest[r].region, own.region);
+        EXPECT_LT((rest[r].stiffness - stiffness).norm(), 1e-9 * stiffness.norm());
+        EXPECT_LT((rest[r].coupling - coupling).norm(), 1e-9 * stiffness.norm());
+    }
+    for (const RegionForce& own : scene.forces_at(Eigen::VectorXd::Zero(scene.model.num_dofs())))
+        EXPECT_EQ(own.force.norm(), 0);
+}
+
+TEST(CondenseAt, ProjectsOntoTheMotionsThatAreAskedFor) {
+    const Scene scene;
+    const Eigen::VectorXd u = scene.equilibrium(scene.walls).displacement;
+    const auto all = scene.condensed_at(u);
+    const Eigen::MatrixXd v = Eigen::MatrixXd::Random(3 * scene.observed.size(), 150);
+    const Eigen::MatrixXd d = Eigen::MatrixXd::Random(3 * scene.driven.size(), 7);
+
+    const auto some = scene.condensed_at(u, v, d);
+
+    ASSERT_EQ(some.size(), all.size());
+    for (std::size_t r = 0; r < all.size(); ++r) {
+        const Eigen::MatrixXd stiffness = v.transpose() * all[r].stiffness * v;
+        const Eigen::MatrixXd coupling = v.transpose() * all[r].coupling * d;
+        EXPECT_LT((some[r].stiffness - stiffness).norm(), 1e-9 * stiffness.norm());
+        EXPECT_LE((some[r].coupling - coupling).norm(), 1e-9 * coupling.norm());
     }
 }
 
@@ -115,7 +157,8 @@ TEST(CondenseAt, SumsToTheTangentOfTheWholeBody) {
         moved.segment<3>(3 * scene.driven[k]) = step.segment<3>(3 * k);
     tangent.solve(Eigen::VectorXd::Zero(moved.size()), moved);
 
-    const Sums sums(scene, scene.condensed_at(state.displacement));
+    const Sums sums(scene, scene.condensed_at(state.displacement),
+                    scene.forces_at(state.displacement));
 
     const Eigen::VectorXd expected = scene.seen(moved);
     const Eigen::VectorXd answer = -sums.stiffness.partialPivLu().solve(sums.coupling * step);
@@ -124,13 +167,13 @@ TEST(CondenseAt, SumsToTheTangentOfTheWholeBody) {
 
 /// Moves walls and moduli by `part` of a step; returns how far the linearised answer is off.
 double error_of_linearised(const Scene& at, const Equilibrium& state,
-                           const std::vector<CondensedRegion>& regions, double part,
+                           const std::vector<CondensedMotions>& regions, double part,
                            double* change) {
     Scene moved = at;
     const Eigen::VectorXd step = part * Eigen::VectorXd::LinSpaced(3 * at.driven.size(), -2, 3);
     moved.walls += step;
     moved.model.materials[1].stiffness_kpa *= std::exp(part);
-    const Sums sums(moved, regions);
+    const Sums sums(moved, regions, at.forces_at(state.displacement));
     const Eigen::VectorXd linearised =
         -sums.stiffness.partialPivLu().solve(sums.coupling * step + sums.force);
     const Eigen::VectorXd exact =
@@ -156,17 +199,13 @@ TEST(CondenseAt, LeavesNothingUnbalancedAtTheModuliOfTheEquilibrium) {
     const Scene scene;
     const Equilibrium state = scene.equilibrium(scene.walls);
     const auto regions = scene.condensed_at(state.displacement);
-    const auto forces = region_forces(state.displacement, solid_model_of(scene.model, law),
-                                      scene.observed, scene.driven);
+    const auto forces = scene.forces_at(state.displacement);
 
-    const Sums sums(scene, regions);
+    const Sums sums(scene, regions, forces);
 
     double size = 0;
     ASSERT_EQ(forces.size(), regions.size());
-    for (std::size_t r = 0; r < regions.size(); ++r) {
-        size += regions[r].observed_force.norm();
-        EXPECT_EQ((forces[r].observed_force - regions[r].observed_force).norm(), 0);
-    }
+    for (const RegionForce& own : forces) size += own.force.norm();
     EXPECT_LT(sums.force.norm(), 1e-8 * size);
 }
 
@@ -174,6 +213,11 @@ TEST(CondenseAt, RefusesAStateOfAnotherMesh) {
     const Scene scene;
     EXPECT_EQ(fixtures::code_of([&] { scene.condensed_at(Eigen::VectorXd::Zero(3)); }),
               ErrorCode::invalid_argument);
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(scene.model.num_dofs());
+    const Eigen::MatrixXd few = Eigen::MatrixXd::Zero(3, 2);
+    EXPECT_EQ(
+        fixtures::code_of([&] { scene.condensed_at(rest, few, Scene::identity(scene.driven)); }),
+        ErrorCode::invalid_argument);
 }
 
 }  // namespace

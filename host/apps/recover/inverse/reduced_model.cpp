@@ -44,29 +44,11 @@ Eigen::MatrixXd times_rows(const Matrix& matrix, const Eigen::MatrixXd& x,
 }  // namespace
 
 ReducedModel::ReducedModel(std::vector<CondensedRegion> regions, Index num_observed,
-                           Index num_driven, std::vector<double> stiffness_kpa,
-                           LinearisationPoint point)
+                           Index num_driven, std::vector<double> stiffness_kpa)
     : regions_(std::move(regions)),
       num_observed_(num_observed),
       num_driven_(num_driven),
-      stiffness_kpa_(std::move(stiffness_kpa)),
-      point_(std::move(point)) {}
-
-void ReducedModel::move_to(LinearisationPoint point, const std::vector<CondensedRegion>& forces) {
-    const bool fits =
-        std::equal(regions_.begin(), regions_.end(), forces.begin(), forces.end(),
-                   [](const auto& mine, const auto& other) {
-                       return mine.region == other.region && mine.observed == other.observed;
-                   });
-    if (!fits) {
-        throw Error(ErrorCode::invalid_argument,
-                    "forces of other regions than those that were condensed");
-    }
-    for (std::size_t r = 0; r < regions_.size(); ++r) {
-        regions_[r].observed_force = forces[r].observed_force;
-    }
-    point_ = std::move(point);
-}
+      stiffness_kpa_(std::move(stiffness_kpa)) {}
 
 bool ReducedModel::has_region(Index region) const {
     return std::any_of(regions_.begin(), regions_.end(),
@@ -105,18 +87,6 @@ Eigen::MatrixXd ReducedModel::unit_coupling_times(const CondensedRegion& region,
                           region.observed, num_observed_);
 }
 
-Eigen::VectorXd ReducedModel::unit_force(const CondensedRegion& region) const {
-    if (region.observed_force.size() == 0) return Eigen::VectorXd::Zero(observed_dofs());
-    return scattered_rows(region.observed_force, region.observed, num_observed_);
-}
-
-Eigen::VectorXd ReducedModel::imbalance(const std::vector<double>& kpa) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(observed_dofs());
-    // g(E) = sum_r E_r g_r (method.md, 10.2)
-    for (const auto& region : regions_) sum += kpa[region.region] * unit_force(region);
-    return sum;
-}
-
 Eigen::MatrixXd ReducedModel::coupling_times(const std::vector<double>& kpa,
                                              const Eigen::MatrixXd& driven) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(observed_dofs(), driven.cols());
@@ -144,10 +114,8 @@ Eigen::VectorXd ReducedModel::observed_displacement(const std::vector<double>& k
                                                     const Eigen::VectorXd& driven) const {
     if (num_observed_ == 0) return {};
     const auto equilibrium = cholesky(stiffness(kpa), "stiffness of the observed nodes");
-    // u_o = u_o* - S_oo^-1 (S_od (u_d - u_d*) + g); at rest u* = 0, g = 0 (method.md, 1.3)
-    if (point_.is_rest()) return -equilibrium.solve(coupling_times(kpa, driven));
-    const Eigen::VectorXd moved = coupling_times(kpa, driven - point_.driven);
-    return point_.observed - equilibrium.solve(moved + imbalance(kpa));
+    // u_o = -S_oo^-1 S_od u_d (method.md, 1.3)
+    return -equilibrium.solve(coupling_times(kpa, driven));
 }
 
 void throw_indefinite(const char* what, Index rows) {

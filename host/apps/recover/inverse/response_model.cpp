@@ -51,19 +51,6 @@ std::vector<double> ResponseModel::moduli(const std::vector<Index>& regions,
     return kpa;
 }
 
-ResponseModel ResponseModel::moved_with(const ReducedModel& model) const {
-    ResponseModel moved = *this;
-    moved.parts_.point = model.point();
-    moved.parts_.stiffness_kpa = model.stiffness_kpa();
-    for (std::size_t r = 0; r < moved.parts_.regions.size(); ++r) {
-        // V^T g_r: modes and functionals are kept, only what does not balance is new (method.md,
-        // 10.2)
-        moved.parts_.regions[r].force =
-            parts_.modes.transpose() * model.unit_force(model.regions()[r]);
-    }
-    return moved;
-}
-
 Eigen::MatrixXd ResponseModel::stiffness(const std::vector<double>& kpa) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(num_modes(), num_modes());
     // S(E) = sum_r E_r V^T S_r V (method.md, 1.3)
@@ -150,6 +137,30 @@ Eigen::MatrixXd ResponseModel::significant_root(const Eigen::MatrixXd& covarianc
     return parts_.influence.cwiseInverse().asDiagonal() * kept.root;
 }
 
+ResponseModel ResponseModel::diagonal_in(Index region, const std::vector<double>& kpa,
+                                         Parts parts) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(parts.modes.cols(), parts.modes.cols());
+    Region* own = nullptr;
+    for (Region& part : parts.regions) {
+        all += kpa[part.region] * part.stiffness;
+        if (part.region == region) own = &part;
+    }
+    if (!own || all.size() == 0) return ResponseModel(std::move(parts));
+    // S_u V = S(E) V diag(lambda), V^T S(E) V = 1
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own->stiffness, all);
+    if (eigen.info() != Eigen::Success) return ResponseModel(std::move(parts));
+    const Eigen::MatrixXd& turned = eigen.eigenvectors();
+    parts.modes = (parts.modes * turned).eval();
+    for (Region& part : parts.regions) {
+        if (part.force.size() > 0) part.force = (turned.transpose() * part.force).eval();
+        if (part.coupling.size() > 0) part.coupling = (turned.transpose() * part.coupling).eval();
+        if (&part == own) continue;
+        part.stiffness = (turned.transpose() * part.stiffness * turned).eval();
+    }
+    own->stiffness = eigen.eigenvalues().asDiagonal();
+    return ResponseModel(std::move(parts));
+}
+
 /// Finds functionals and modes from responses of the condensed model at a few moduli.
 class ResponseBuilder {
 public:
@@ -158,7 +169,6 @@ public:
                     const ProgressSink& progress)
         : model_(model), prior_(prior), unknown_(unknown), options_(options), progress_(progress) {
         parts_.stiffness_kpa = model.stiffness_kpa();
-        parts_.point = model.point();
     }
 
     ResponseModel exact() {
@@ -172,8 +182,7 @@ public:
         for (const auto& region : model_.regions()) {
             parts_.regions.push_back(
                 {region.region, model_.unit_stiffness_times(region, parts_.modes),
-                 model_.unit_coupling_times(region, parts_.functionals.transpose()),
-                 force_in_modes(region)});
+                 model_.unit_coupling_times(region, parts_.functionals.transpose())});
         }
         return std::move(result_);
     }
@@ -194,7 +203,8 @@ public:
         }
         project();
         test();
-        if (unknown_.size() == 1) make_diagonal();
+        if (unknown_.size() == 1)
+            return ResponseModel::diagonal_in(unknown_[0], moduli_at(0.5), std::move(parts_));
         result_.find_diagonal();
         return std::move(result_);
     }
@@ -205,21 +215,11 @@ private:
     /// All unknown moduli together, from the softest (t = 0) to the stiffest (t = 1).
     Moduli moduli_at(double t) const {
         Moduli kpa = model_.stiffness_kpa();
-        for (const Index region : unknown_) {
-            if (options_.reach > 1) {
-                // E* reach^(2 t - 1), or softest (stiffest / softest)^t: even steps of ln E
-                kpa[region] *= std::pow(options_.reach, 2 * t - 1);
-            } else {
-                kpa[region] = options_.softest_kpa *
-                              std::pow(options_.stiffest_kpa / options_.softest_kpa, t);
-            }
-        }
+        // softest (stiffest / softest)^t: even steps of ln E
+        for (const Index region : unknown_)
+            kpa[region] =
+                options_.softest_kpa * std::pow(options_.stiffest_kpa / options_.softest_kpa, t);
         return kpa;
-    }
-
-    Eigen::VectorXd force_in_modes(const CondensedRegion& region) const {
-        if (region.observed_force.size() == 0) return {};
-        return parts_.modes.transpose() * model_.unit_force(region);
     }
 
     Eigen::LLT<Eigen::MatrixXd> equilibrium_at(const Moduli& kpa) const {
@@ -282,19 +282,14 @@ private:
         return model_.transposed_coupling_times(kpa, equilibrium.solve(basis)).transpose();
     }
 
-    /// Responses to the functionals' unit motions at `kpa` and, if the mechanics were not
-    /// linearised at rest, to what is not balanced there; [observed_dofs, functionals (+ 1)].
+    /// Responses to the functionals' unit motions at `kpa` [observed_dofs, functionals].
     Eigen::MatrixXd responses_at(const Moduli& kpa) const {
-        const Index functionals = static_cast<Index>(parts_.functionals.rows());
-        const bool is_rest = model_.point().is_rest();
         Eigen::MatrixXd force =
-            Eigen::MatrixXd::Zero(model_.observed_dofs(), functionals + (is_rest ? 0 : 1));
+            Eigen::MatrixXd::Zero(model_.observed_dofs(), parts_.functionals.rows());
         for (std::size_t r = 0; r < couplings_.size(); ++r) {
-            if (couplings_[r].size() == 0) continue;
-            // S(E) x = T(E) c and g(E), for the modes to span both (method.md, 1.4)
-            force.leftCols(functionals) += kpa[model_.regions()[r].region] * couplings_[r];
+            // S(E) x = T(E) c, for the modes to span (method.md, 1.4)
+            if (couplings_[r].size() > 0) force += kpa[model_.regions()[r].region] * couplings_[r];
         }
-        if (!is_rest) force.col(functionals) = model_.imbalance(kpa);
         const auto equilibrium = equilibrium_at(kpa);
         check_cancelled(progress_);
         return equilibrium.solve(force);
@@ -304,9 +299,8 @@ private:
         const Eigen::MatrixXd responses = responses_at(kpa);
         check_cancelled(progress_);
         if (parts_.influence.size() == 0) {
-            const auto moved = responses.leftCols(parts_.functionals.rows());
-            const double floor = 1e-6 * moved.norm();
-            parts_.influence = moved.colwise().norm().cwiseMax(floor).transpose();
+            const double floor = 1e-6 * responses.norm();
+            parts_.influence = responses.colwise().norm().cwiseMax(floor).transpose();
             parts_.root_tolerance = 0.5 * tolerance();
         }
         // V <- [V, what of the responses V does not span]
@@ -330,10 +324,8 @@ private:
             const Eigen::MatrixXd stiffness =
                 // Galerkin: V^T S_r V, V^T T_r
                 modes.transpose() * model_.unit_stiffness_times(region, modes);
-            ResponseModel::Region part{region.region,
-                                       0.5 * (stiffness + stiffness.transpose()),
-                                       {},
-                                       force_in_modes(region)};
+            ResponseModel::Region part{
+                region.region, 0.5 * (stiffness + stiffness.transpose()), {}};
             if (couplings_[r].size() > 0) part.coupling = modes.transpose() * couplings_[r];
             parts_.regions.push_back(std::move(part));
         }
@@ -355,45 +347,13 @@ private:
         }
     }
 
-    /// Modes in which the stiffness of the unknown region and of all together are diagonal.
-    void make_diagonal() {
-        Eigen::MatrixXd all = Eigen::MatrixXd::Zero(result_.num_modes(), result_.num_modes());
-        const Moduli middle = moduli_at(0.5);
-        ResponseModel::Region* own = nullptr;
-        for (ResponseModel::Region& part : parts_.regions) {
-            all += middle[part.region] * part.stiffness;
-            if (part.region == unknown_[0]) own = &part;
-        }
-        if (!own || all.size() == 0) return;
-        check_cancelled(progress_);
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(own->stiffness, all);
-        if (eigen.info() != Eigen::Success) return;
-        check_cancelled(progress_);
-        const Eigen::MatrixXd& turned = eigen.eigenvectors();
-        parts_.modes = (parts_.modes * turned).eval();
-        for (ResponseModel::Region& part : parts_.regions) {
-            if (part.force.size() > 0) part.force = (turned.transpose() * part.force).eval();
-            if (part.coupling.size() > 0)
-                part.coupling = (turned.transpose() * part.coupling).eval();
-            if (&part == own) continue;
-            part.stiffness = (turned.transpose() * part.stiffness * turned).eval();
-        }
-        own->stiffness = eigen.eigenvalues().asDiagonal();
-    }
-
     double left_out_at(const Moduli& kpa, const Eigen::MatrixXd& walls) const {
-        const LinearisationPoint& point = model_.point();
         // u_o of the condensed model against that of the response model, root mean square over
         // nodes
-        Eigen::MatrixXd exact = -equilibrium_at(kpa).solve(
-            model_.coupling_times(kpa, walls).colwise() + model_.imbalance(kpa));
-        if (!point.is_rest()) exact.colwise() += point.observed;
+        const Eigen::MatrixXd exact = -equilibrium_at(kpa).solve(model_.coupling_times(kpa, walls));
         double sum = 0;
-        for (Index k = 0; k < walls.cols(); ++k) {
-            const Eigen::VectorXd driven =
-                point.is_rest() ? walls.col(k) : Eigen::VectorXd(point.driven + walls.col(k));
-            sum += (exact.col(k) - result_.observed_displacement(kpa, driven)).squaredNorm();
-        }
+        for (Index k = 0; k < walls.cols(); ++k)
+            sum += (exact.col(k) - result_.observed_displacement(kpa, walls.col(k))).squaredNorm();
         return std::sqrt(sum / (walls.cols() * std::max(1.0, exact.rows() / 3.0)));
     }
 

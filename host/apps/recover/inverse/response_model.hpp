@@ -13,14 +13,19 @@
 
 namespace palpate {
 
+/// The displacement at which mechanics were linearised. Empty: at rest.
+struct LinearisationPoint {
+    Eigen::VectorXd driven;    ///< u_d* [driven_dofs] mm
+    Eigen::VectorXd observed;  ///< u_o* [observed_dofs] mm
+    bool is_rest() const { return observed.size() == 0; }
+};
+
 struct ResponseOptions {
     /// Root mean square of the observed displacement that may be left out, mm, for wall motions
     /// drawn from the prior at any of the tested moduli. Far below a voxel's noise; raise it to
     /// save time on very large surfaces.
     double tolerance_mm = 0.02;
     double softest_kpa = 3, stiffest_kpa = 3000;  ///< range of the unknown moduli to be exact in
-    /// If above 1 that range is from the moduli of the reduced model over this to this times them.
-    double reach = 0;
     unsigned seed = 1;
 };
 
@@ -32,7 +37,7 @@ struct ResponseOptions {
 /// 2011, section 4; reduced basis with greedy enrichment, Hesthaven, Rozza and Stamm 2016, chapter
 /// 3); between those moduli the Galerkin solution in V interpolates. What is left out is measured
 /// against the condensed model. Functionals are scaled to unit prior variance: N Q^-1 N^T = 1.
-/// Of mechanics that were linearised at (u_d*, u_o*) it is
+/// Of mechanics that were linearised at (u_d*, u_o*) (tangent_response.hpp) it is
 ///   u_o = u_o* - V S(E)^-1 (T(E) c + g(E)),  c = N (u_d - u_d*).
 /// With one unknown modulus E_u the modes are those in which S is diagonal whatever it is: the
 /// solutions of S_u v = lambda S(E*) v at one E_u*, so that S = 1 + (E_u - E_u*) diag(lambda).
@@ -58,6 +63,9 @@ public:
 
     /// Throws Error(invalid_argument) if the parts do not fit together.
     explicit ResponseModel(Parts parts);
+    /// In modes in which the stiffness of `region` and of all together at the moduli `kpa` are
+    /// diagonal; as it was where there are none.
+    static ResponseModel diagonal_in(Index region, const std::vector<double>& kpa, Parts parts);
     /// Nothing left out: every observed degree of freedom is a mode, every driven one a functional.
     static ResponseModel exact(const ReducedModel& model, const WallPrior& prior);
     /// `unknown`: regions whose moduli will change. `progress` is only asked whether to cancel.
@@ -65,10 +73,6 @@ public:
                                     const std::vector<Index>& unknown,
                                     const ResponseOptions& options,
                                     const ProgressSink& progress = {});
-
-    /// The same modes and functionals about the point of `model`, which has moved a little
-    /// (`ReducedModel::move_to`) since this was made from it.
-    ResponseModel moved_with(const ReducedModel& model) const;
 
     /// The same answers with other expectations of the walls: Q^-1 N^T and N Q^-1 N^T are the
     /// prior's.

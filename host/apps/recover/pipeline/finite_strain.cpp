@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "host/apps/recover/inverse/model_error.hpp"
+#include "host/apps/recover/inverse/tangent_response.hpp"
 #include "host/apps/recover/pipeline/recover_options.hpp"
 #include "solver/base/error.hpp"
 #include "solver/model/node_rows.hpp"
@@ -18,14 +18,9 @@ namespace palpate {
 namespace {
 
 constexpr double least_modulus_change = 1e-3;  // of ln E
-/// Factor on the moduli within which a tangent is trusted: far from the moduli for which its state
-/// is in equilibrium, it need not be stable.
-constexpr double widest_reach = 3.0, narrowest_reach = 1.2;
-/// Root mean square over all components by which a state may move before its tangents are taken
-/// again: a hundredth of the size of the organs.
-constexpr double near_mm = 0.3;
-/// What a response model may leave out, as a part of the least noise.
-constexpr double left_out_of_noise = 0.3, most_left_out_mm = 0.1;
+/// Root mean square over all components by which a state may move before new modes are looked for:
+/// a thirtieth of the size of the organs.
+constexpr double near_mm = 1.0;
 /// Steps of the load that are tried on the way; the end of the search goes further.
 constexpr double smallest_step = 0.02;
 
@@ -60,10 +55,8 @@ private:
     void find_equilibrium();
     Equilibrium equilibrium_from(const Eigen::VectorXd& start) const;
     void linearise();
+    DeformedBody body() const;
     void take_tangents();
-    void move_tangents();
-    LinearisationPoint point() const;
-    ResponseModel respond(double tolerance_mm);
     void search();
     void keep_records();
     void judge();
@@ -82,11 +75,9 @@ private:
     FiniteStrainEstimate found_;
     Eigen::VectorXd last_theta_;
     std::vector<IterationRecord> records_;  ///< of all searches
-    std::optional<ReducedModel> reduced_;   ///< of the last tangents
-    Eigen::VectorXd tangent_at_;            ///< where they were taken, [3 num_nodes] mm
-    double tolerance_mm_ = 0;               ///< of the last response model
+    Eigen::VectorXd modes_at_;              ///< u for which modes were found, [3 num_nodes] mm
     CondensationSummary condensation_;
-    double reach_ = widest_reach;
+    double reach_ = 1;  ///< of the last modes
     double noise_mm_;
     double least_noise_mm_ = 0;  ///< of the round
 };
@@ -129,54 +120,30 @@ void Rounds::find_equilibrium() {
 void Rounds::linearise() {
     least_noise_mm_ = noise_mm_ * std::clamp(found_.gap_mm / noise_mm_,
                                              options_.search.smallest_noise_scale, 1.0);
-    const double tolerance_mm = std::clamp(left_out_of_noise * least_noise_mm_,
-                                           options_.response.tolerance_mm, most_left_out_mm);
     const bool is_near =
-        reduced_ && root_mean_square(found_.state.displacement - tangent_at_) < near_mm;
-    is_near ? move_tangents() : take_tangents();
-    if (is_near && tolerance_mm > 0.5 * tolerance_mm_) {
-        found_.response = std::make_shared<ResponseModel>(found_.response->moved_with(*reduced_));
-    } else {
-        found_.response = std::make_shared<ResponseModel>(respond(tolerance_mm));
-        tolerance_mm_ = tolerance_mm;
-    }
+        modes_at_.size() > 0 && root_mean_square(found_.state.displacement - modes_at_) < near_mm;
+    if (is_near)
+        found_.response = std::make_shared<ResponseModel>(
+            tangent_response_near(body(), *found_.response, unknown(), options_.solver, progress_));
+    else
+        take_tangents();
     ++found_.rounds;
 }
 
-LinearisationPoint Rounds::point() const {
-    const Eigen::VectorXd& u = found_.state.displacement;
-    return {at_nodes(u, rest_.recovery.driven), at_nodes(u, rest_.recovery.observed)};
+DeformedBody Rounds::body() const {
+    return {model_, rest_.recovery.observed, rest_.recovery.driven, found_.state.displacement};
 }
 
 void Rounds::take_tangents() {
-    const RecoveryModel& recovery = rest_.recovery;
-    tangent_at_ = found_.state.displacement;
-    reduced_.emplace(condense_at(tangent_at_, model_, recovery.observed, recovery.driven,
-                                 options_.solver, &condensation_),
-                     static_cast<Index>(recovery.observed.size()),
-                     static_cast<Index>(recovery.driven.size()), moduli_of(model_), point());
-    reach_ = widest_reach;
-}
-
-/// Near the end the last tangents do as well as new ones, about the new equilibrium.
-void Rounds::move_tangents() {
-    const RecoveryModel& recovery = rest_.recovery;
-    reduced_->move_to(point(), region_forces(found_.state.displacement, model_, recovery.observed,
-                                             recovery.driven));
-}
-
-/// With the widest reach in which the linearised body is stable.
-ResponseModel Rounds::respond(double tolerance_mm) {
-    ResponseOptions response = options_.response;
-    response.tolerance_mm = tolerance_mm;
-    for (response.reach = reach_;; response.reach = reach_ = std::sqrt(reach_)) {
-        try {
-            return ResponseModel::compressed(*reduced_, rest_.walls, unknown(), response,
-                                             progress_);
-        } catch (const Error& error) {
-            if (error.code() != ErrorCode::solve_failed || reach_ < narrowest_reach) throw;
-        }
-    }
+    TangentOptions tangent;
+    tangent.tolerance_mm = options_.tangent_tolerance_mm;
+    tangent.solver = options_.solver;
+    modes_at_ = found_.state.displacement;
+    TangentResponse taken =
+        tangent_response(body(), rest_.response, rest_.walls, unknown(), tangent, progress_);
+    found_.response = std::make_shared<ResponseModel>(std::move(taken.model));
+    reach_ = taken.reach;
+    condensation_ = std::move(taken.condensation);
 }
 
 void Rounds::search() {

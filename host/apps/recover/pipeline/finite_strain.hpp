@@ -13,6 +13,9 @@
 
 namespace palpate {
 
+/// What the response at rest may leave out where it is only the start of rounds, mm.
+inline constexpr double start_tolerance_mm = 0.05;
+
 struct FiniteStrainOptions {
     int max_rounds = 12;  ///< linearisations at most
     /// Converged: a round changed no ln E by more than this part of its standard deviation, that of
@@ -21,7 +24,9 @@ struct FiniteStrainOptions {
     double model_sd_ln = palpate::model_sd_ln;
     /// the equilibrium lies this close to what the linearised model said, root mean square, mm.
     double displacement_tolerance_mm = 0.03;
-    ResponseOptions response;
+    /// What tangents may leave out of motions drawn from the prior, root mean square: the motions
+    /// of a round are a tenth of those and less.
+    double tangent_tolerance_mm = 0.1;
     MapOptions search;
     LinearSolverOptions solver;
 };
@@ -43,8 +48,8 @@ struct FiniteStrainEstimate {
 
 /// The most probable moduli and wall motion of a body at large deformation: linear elasticity
 /// first, then round by round the equilibrium at the last estimate, the mechanics linearised there
-/// (`condense_at`), and the most probable moduli and motion of these, until neither changes. Where
-/// an equilibrium cannot be reached at once, the round starts from the nearest one that can.
+/// (`tangent_response`), and the most probable moduli and motion of these, until neither changes.
+/// Where an equilibrium cannot be reached at once, the round starts from the nearest one that can.
 /// Throws Error(solve_failed) if none is reached in the end.
 FiniteStrainEstimate search_finite_strain(const Mechanics& rest, const TissueLaw& law,
                                           const SurfaceObservations& observations,

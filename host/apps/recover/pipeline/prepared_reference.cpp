@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/apps/recover/modelling/regions.hpp"
+#include "host/apps/recover/pipeline/finite_strain.hpp"
 #include "host/geometry/meshing/solid_mesh_file.hpp"
 #include "solver/model/quadratic_mesh.hpp"
 
@@ -62,8 +63,11 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
 PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
                                     std::vector<DistanceMap> maps, const RecoverOptions& options,
                                     StageTimer& timer, const ProgressSink& progress) {
+    MechanicsOptions at_rest = options.mechanics;
+    if (!options.law.is_linear())
+        at_rest.response.tolerance_mm = std::max(at_rest.response.tolerance_mm, start_tolerance_mm);
     Mechanics mechanics =
-        make_mechanics(mesh, options.settings, options.solver, options.mechanics, timer, progress);
+        make_mechanics(mesh, options.settings, options.solver, at_rest, timer, progress);
     auto full_solver = start_full_solver(mechanics.recovery, options.solver);
     auto finer_mesh = make_finer_mesh(mesh, options);
     return {std::move(reference), std::move(mesh),        std::move(mesher),    std::move(maps),

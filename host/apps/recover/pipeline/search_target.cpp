@@ -119,7 +119,8 @@ void search_with_mesh_change(Recovered& found, const Mechanics& mechanics, FullS
         found.mesh_change = of_no_size * at_nodes(finer_mesh.change(kpa, displacement, progress),
                                                   found.recovery.observed);
     } catch (const Error& error) {
-        if (error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit) throw;
+        if (error.code() != ErrorCode::solve_failed && error.code() != ErrorCode::out_of_memory)
+            throw;
         found.warnings.push_back(
             std::string("What the size of the elements changes is not in the answer: ") +
             error.what());
@@ -138,7 +139,8 @@ void search_with_mesh_change(Recovered& found, const Mechanics& mechanics, FullS
 FiniteStrainOptions finite_strain_options(const RecoverOptions& options) {
     FiniteStrainOptions finite;
     finite.max_rounds = options.max_rounds;
-    finite.response = options.mechanics.response;
+    finite.tangent_tolerance_mm =
+        std::max(finite.tangent_tolerance_mm, options.mechanics.response.tolerance_mm);
     finite.search = options.search;
     finite.solver = options.solver;
     return finite;

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "host/apps/recover/inverse/response_model.hpp"
+#include "host/apps/recover/inverse/wall_prior.hpp"
+#include "solver/base/log.hpp"
+#include "solver/condense/condensation.hpp"
+
+namespace palpate {
+
+/// A body in equilibrium for the moduli of its model, E*.
+struct DeformedBody {
+    const SolidModel& model;  ///< the displacements of driven nodes are prescribed
+    const std::vector<Index>& observed;
+    const std::vector<Index>& driven;
+    Eigen::VectorXd displacement;  ///< u* [3 num_nodes] mm
+};
+
+struct TangentOptions {
+    double tolerance_mm = 0.1;  ///< as in ResponseOptions, for moduli within the reach
+    /// Factor on the unknown moduli within which the tangent is to be stable. Where it is not, the
+    /// root of the factor is tried, as long as that is above `narrowest_reach`.
+    double reach = 3.0, narrowest_reach = 1.2;
+    unsigned seed = 1;
+    LinearSolverOptions solver;
+};
+
+struct TangentResponse {
+    ResponseModel model;
+    double reach = 1;  ///< within which it is stable
+    CondensationSummary condensation;
+};
+
+/// The response of a body linearised at u* (method.md, 10.2). Functionals are those of `rest`, as
+/// many as the tolerance asks for. Modes span the tangent's own answers to them and to each region's
+/// forces at the soft end of the reach; at E* and at the stiff end as well, if random wall motions
+/// are answered outside them there.
+/// Regions are condensed onto the modes alone: some hundred solves instead of one for each observed
+/// degree of freedom.
+///   unknown  regions whose moduli will change
+/// Throws Error(solve_failed) where the tangent is not stable even within the narrowest reach.
+TangentResponse tangent_response(const DeformedBody& body, const ResponseModel& rest,
+                                 const WallPrior& prior, const std::vector<Index>& unknown,
+                                 const TangentOptions& options, const ProgressSink& progress = {});
+
+/// The same of a state near that of `earlier`, in its modes and functionals: one solve a mode.
+/// `unknown` and throws as above, but that no reach is tried.
+ResponseModel tangent_response_near(const DeformedBody& body, const ResponseModel& earlier,
+                                    const std::vector<Index>& unknown,
+                                    const LinearSolverOptions& solver,
+                                    const ProgressSink& progress = {});
+
+/// Where a body is: u* at its driven and its observed nodes.
+LinearisationPoint point_of(const DeformedBody& body);
+
+}  // namespace palpate
