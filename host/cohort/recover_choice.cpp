@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <set>
 
+#include "host/apps/recover/modelling/tissue_law.hpp"
 #include "host/apps/recover/run/recover_table.hpp"
 #include "host/cohort/cohort_plan.hpp"
+#include "host/cohort/content_key.hpp"
 
 namespace palpate {
 namespace {
@@ -69,6 +71,8 @@ std::map<std::string, std::string> options_of_the_key(const OptionValues& values
         const auto value = values.setting(option.name);
         options[option.name] = value ? setting_text(*value) : "";
     }
+    if (!tissue_law_of(values.text("material")).is_linear())
+        options["large_deformation_version"] = std::to_string(large_deformation_version);
     return options;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/apps/all.hpp"
+#include "host/cohort/content_key.hpp"
 #include "host/faces/cli/commands.hpp"
 #include "host/faces/cli/console.hpp"
 #include "host/system/blas_kernels.hpp"
@@ -70,8 +71,10 @@ int parse_and_run(int argc, char** argv) {
     CLI::App app{
         "Computational palpation: stiffness, forces and deformation from two segmentations"};
     app.name("palpate");
-    app.set_version_flag("--version",
-                         "palpate " + palpate::version_text() + "\n" + palpate::build_text());
+    app.set_version_flag(
+        "--version",
+        fmt::format("palpate {}\nnumerics {}: equal numbers, equal answers\n{}",
+                    palpate::version_text(), palpate::numerics_version, palpate::build_text()));
     app.require_subcommand(1);
     app.footer(exit_codes_text() + "\nNot a medical device.");
     palpate::Run run;
