@@ -25,7 +25,7 @@ COMPUTING = APPLICATION + ["host/apps/compute_options"]
 APPLICATIONS = ["recover/run", "simulate", "identify", "springs", "phantom", "study", "aspirate"]
 FACES = ["host/apps/application", "host/apps/describe", "host/apps/all"]
 RECOVER = [f"host/apps/recover/{station}"
-           for station in ("modelling", "objectives", "inverse", "result", "report", "pipeline")]
+           for station in ("modelling", "observations", "inverse", "result", "report", "pipeline")]
 
 ALLOWED = {
     "solver/base": [],

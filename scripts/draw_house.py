@@ -26,7 +26,7 @@ ROWS = [
     ("host/cohort", ["host/cohort"]),
     ("host/apps", ["host/apps/phantom", "host/apps/export", "host/apps/simulate", "host/apps/study", "host/apps/", ""]),
     ("host/apps/recover", [f"host/apps/recover/{name}" for name in
-                           ("modelling", "objectives", "inverse", "result", "report", "pipeline")]),
+                           ("modelling", "observations", "inverse", "result", "report", "pipeline")]),
     ("host", ["host/estimate", "host/page"]
      + [f"host/geometry/{name}" for name in ("fields", "surfaces", "meshing", "warping", "mesh_tool")]),
     ("host", ["", "", "", "", "host/system", "host/io", "host/"]),
@@ -80,7 +80,7 @@ CAPTIONS = {
     "host/cohort": "plan, run, collect",
     "host/apps/phantom": "cases of known answer", "host/apps/export": "other solvers' files",
     "host/apps/simulate": "loads in, motion out", "host/apps/study": "many phantoms",
-    "host/apps/recover/modelling": "settings, tissue, roles", "host/apps/recover/objectives": "distances and their noise",
+    "host/apps/recover/modelling": "settings, tissue, roles", "host/apps/recover/observations": "distances and their noise",
     "host/apps/recover/inverse": "search and intervals", "host/apps/recover/result": "what came out",
     "host/apps/recover/report": "HTML, JSON, text, VTK", "host/apps/recover/pipeline": "the row: recover.cpp",
     "host/estimate": "searches, posteriors", "host/page": "plots, tables, numbers",

@@ -4,7 +4,7 @@
 
 #include "host/apps/phantom/pelvis.hpp"
 #include "host/apps/recover/inverse/map_estimate.hpp"
-#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/observations/surface_observations.hpp"
 #include "host/apps/recover/pipeline/mechanics.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "host/apps/recover/observations/voxel_terraces.hpp"
 
 #include <gtest/gtest.h>
 

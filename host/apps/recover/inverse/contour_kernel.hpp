@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "host/apps/recover/observations/voxel_terraces.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {

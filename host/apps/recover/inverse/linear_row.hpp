@@ -9,8 +9,8 @@
 
 #include "host/apps/recover/inverse/contour_kernel.hpp"
 #include "host/apps/recover/inverse/row_correlations.hpp"
-#include "host/apps/recover/objectives/target_frame.hpp"
-#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "host/apps/recover/observations/target_frame.hpp"
+#include "host/apps/recover/observations/voxel_terraces.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {

@@ -10,7 +10,7 @@
 #include "host/apps/recover/inverse/linearised_problem.hpp"
 #include "host/apps/recover/inverse/map_options.hpp"
 #include "host/apps/recover/inverse/surface_noise.hpp"
-#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/observations/surface_observations.hpp"
 #include "host/estimate/quasi_newton.hpp"
 #include "solver/base/log.hpp"
 

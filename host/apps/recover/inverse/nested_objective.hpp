@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/apps/recover/modelling/build_model.hpp"
-#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/observations/surface_observations.hpp"
 #include "solver/linear/linear_solver.hpp"
 
 namespace palpate {

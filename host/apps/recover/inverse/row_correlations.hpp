@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/apps/recover/inverse/contour_kernel.hpp"
-#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "host/apps/recover/observations/voxel_terraces.hpp"
 #include "solver/base/types.hpp"
 
 namespace palpate {

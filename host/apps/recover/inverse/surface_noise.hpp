@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/apps/recover/inverse/linear_row.hpp"
-#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/observations/surface_observations.hpp"
 
 namespace palpate {
 

@@ -132,8 +132,8 @@ Loads TangentBuilder::every_load() const {
 Eigen::VectorXd TangentBuilder::imbalance_at(double factor) const {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(3 * body_.observed.size());
     for (const RegionForce& own : forces_) {
-        const bool is_unknown = std::find(unknown_.begin(), unknown_.end(), own.region) !=
-                                unknown_.end();
+        const bool is_unknown =
+            std::find(unknown_.begin(), unknown_.end(), own.region) != unknown_.end();
         sum -= (is_unknown ? factor : 1) * moduli_[own.region] * own.force;
     }
     return sum;

@@ -36,11 +36,10 @@ struct TangentResponse {
 };
 
 /// The response of a body linearised at u* (method.md, 10.2). Functionals are those of `rest`, as
-/// many as the tolerance asks for. Modes span the tangent's own answers to them and to each region's
-/// forces at the soft end of the reach; at E* and at the stiff end as well, if random wall motions
-/// are answered outside them there.
-/// Regions are condensed onto the modes alone: some hundred solves instead of one for each observed
-/// degree of freedom.
+/// many as the tolerance asks for. Modes span the tangent's own answers to them and to each
+/// region's forces at the soft end of the reach; at E* and at the stiff end as well, if random wall
+/// motions are answered outside them there. Regions are condensed onto the modes alone: some
+/// hundred solves instead of one for each observed degree of freedom.
 ///   unknown  regions whose moduli will change
 /// Throws Error(solve_failed) where the tangent is not stable even within the narrowest reach.
 TangentResponse tangent_response(const DeformedBody& body, const ResponseModel& rest,

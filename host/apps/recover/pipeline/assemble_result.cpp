@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "host/apps/recover/inverse/identifiability.hpp"
@@ -22,6 +23,7 @@
 #include "host/geometry/surfaces/surface.hpp"
 #include "host/geometry/warping/inverse_field.hpp"
 #include "host/system/version.hpp"
+#include "solver/base/error.hpp"
 #include "solver/model/quadratic_mesh.hpp"
 
 namespace palpate {
@@ -362,9 +364,17 @@ void add_motion(const Recovered& found, const LabelledState& reference, const Ta
 }
 
 void add_element_stiffness(RecoveryResult& result) {
-    for (const Index region : result.mesh.region)
-        for (const RegionResult& r : result.regions)
-            if (r.region == region) result.element_stiffness_kpa.push_back(r.most_probable_kpa);
+    std::map<Index, double> kpa;
+    for (const RegionResult& region : result.regions) kpa[region.region] = region.most_probable_kpa;
+    for (const Index region : result.mesh.region) {
+        const auto own = kpa.find(region);
+        if (own == kpa.end())
+            throw Error(ErrorCode::internal,
+                        fmt::format("the mesh has elements of region {}, of which the result says "
+                                    "nothing; please report this",
+                                    region));
+        result.element_stiffness_kpa.push_back(own->second);
+    }
 }
 
 RecoveryResult assemble_result(const Recovered& found, const LabelledState& reference,

@@ -10,7 +10,7 @@
 
 #include "host/apps/recover/modelling/body_mesh.hpp"
 #include "host/apps/recover/modelling/settings.hpp"
-#include "host/apps/recover/objectives/edge_middles.hpp"
+#include "host/apps/recover/observations/edge_middles.hpp"
 #include "solver/linear/linear_solver.hpp"
 #include "solver/model/solid_model.hpp"
 

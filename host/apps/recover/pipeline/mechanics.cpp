@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/apps/recover/objectives/displacement_prior.hpp"
+#include "host/apps/recover/observations/displacement_prior.hpp"
 #include "host/geometry/surfaces/surface.hpp"
 
 namespace palpate {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/observations/surface_observations.hpp"
 #include "host/apps/recover/pipeline/target_state.hpp"
 
 namespace palpate {

@@ -4,7 +4,7 @@
 
 #include <future>
 
-#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/observations/surface_observations.hpp"
 #include "host/apps/recover/pipeline/observed_target.hpp"
 #include "host/apps/recover/pipeline/prepared_reference.hpp"
 #include "host/apps/recover/pipeline/recovered.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/objectives/displacement_prior.hpp"
+#include "host/apps/recover/observations/displacement_prior.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/objectives/edge_middles.hpp"
+#include "host/apps/recover/observations/edge_middles.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

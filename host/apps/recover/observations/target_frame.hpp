@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/apps/recover/modelling/alignment.hpp"
-#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "host/apps/recover/observations/voxel_terraces.hpp"
 
 namespace palpate {
 

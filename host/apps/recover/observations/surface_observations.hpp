@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "host/apps/recover/modelling/build_model.hpp"
-#include "host/apps/recover/objectives/surface_patch.hpp"
-#include "host/apps/recover/objectives/target_frame.hpp"
-#include "host/apps/recover/objectives/voxel_terraces.hpp"
+#include "host/apps/recover/observations/surface_patch.hpp"
+#include "host/apps/recover/observations/target_frame.hpp"
+#include "host/apps/recover/observations/voxel_terraces.hpp"
 #include "host/geometry/surfaces/target_shape.hpp"
 
 namespace palpate {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/objectives/surface_patch.hpp"
+#include "host/apps/recover/observations/surface_patch.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

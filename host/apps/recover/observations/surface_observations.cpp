@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/recover/objectives/surface_observations.hpp"
+#include "host/apps/recover/observations/surface_observations.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "host/apps/recover/objectives/edge_middles.hpp"
+#include "host/apps/recover/observations/edge_middles.hpp"
 #include "host/geometry/surfaces/surface.hpp"
 
 namespace palpate {
