@@ -104,3 +104,8 @@ def test_targets_that_tell_nothing_count_as_nothing():
     all_four = joint.outcome_of(60, [target(20, 180)] * 4, target(30, 120))
     assert some.ratio == pytest.approx(all_four.ratio / math.sqrt(2)) and some.num_telling == 2 and some.num_joined == 3
     assert "1 of 2 without a joint estimate" in joint.summary_of("four on one side", [all_four], 2)
+
+
+def test_the_page_has_the_table_of_the_record():
+    assert coverage.table_of(max(numerics for numerics, _, _ in coverage.read_ledger())) in coverage.PAGE.read_text(), \
+        "docs/studies.md is not in step with docs/coverage.tsv: scripts/coverage_families table --write"
