@@ -18,6 +18,7 @@
 #include "host/cohort/patient_queue.hpp"
 #include "host/cohort/plain_statistics.hpp"
 #include "host/cohort/plan_rows.hpp"
+#include "host/cohort/recover_choice.hpp"
 #include "host/cohort/shards.hpp"
 #include "host/cohort/shared_failure.hpp"
 #include "host/io/delimited_text.hpp"
@@ -115,6 +116,14 @@ TEST(ContentKey, ChangesWithEveryPart) {
         EXPECT_TRUE(keys.insert(case_key(other)).second) << k;
     }
     EXPECT_EQ(case_key(parts), case_key(KeyParts(parts)));
+}
+
+TEST(ContentKey, LargeDeformationHasANumberOfItsOwn) {
+    const char* name = "large_deformation_version";
+    EXPECT_EQ(options_of_the_key(recover_values("")).count(name), 0u);
+    const auto large = options_of_the_key(recover_values("material = \"neo-hookean\"\n"));
+    ASSERT_EQ(large.count(name), 1u);
+    EXPECT_EQ(large.at(name), std::to_string(large_deformation_version));
 }
 
 TEST(Shards, HoldEveryPatientOnceAndAreBalanced) {

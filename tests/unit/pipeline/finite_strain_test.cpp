@@ -12,6 +12,7 @@
 #include "host/apps/recover/pipeline/recover.hpp"
 #include "host/geometry/surfaces/surface_shape.hpp"
 #include "solver/base/error.hpp"
+#include "tests/fixtures/columns.hpp"
 #include "tests/unit/phantom/hollow_block.hpp"
 
 namespace palpate {
@@ -218,6 +219,8 @@ TEST(TangentResponse, AnswersAsTheCondensedTangentDoes) {
     const TangentResponse found = tangent_response(body, rest.response, rest.walls, {2}, options);
 
     EXPECT_EQ(found.reach, options.reach);
+    EXPECT_GT(found.left_out_mm, 0);
+    EXPECT_LT(found.left_out_mm, 2 * options.tolerance_mm);
     EXPECT_TRUE(found.model.is_diagonal_in(2));
     EXPECT_LT(found.model.num_modes(), found.model.observed_dofs());
     for (const double factor : {0.4, 1.0, 2.5})
@@ -229,6 +232,49 @@ TEST(TangentResponse, AnswersAsTheCondensedTangentDoes) {
     const ResponseModel again = tangent_response_near(near, found.model, {2}, Block::solver());
     for (const double factor : {0.4, 1.0, 2.5})
         EXPECT_LT(error_mm(again, near, factor, moved), 3 * options.tolerance_mm) << factor;
+}
+
+/// Two unknown moduli far from those that were tried together.
+TEST(TangentResponse, AnswersForEachOfSeveralModuliAlone) {
+    const Block block;
+    TangentOptions options;
+    options.solver = Block::solver();
+    const RecoveryModel& recovery = block.rest.recovery;
+    SolidModel model = with_law(recovery.model, {"neo-hookean"});
+    set_stiffness(model, 2, true_kpa);
+    const DeformedBody body{model, recovery.observed, recovery.driven, block.blown_up(4)};
+    const Eigen::MatrixXd walls = block.rest.walls.samples(3, 77).colwise() + point_of(body).driven;
+
+    const TangentResponse found =
+        tangent_response(body, block.rest.response, block.rest.walls, {1, 2}, options);
+
+    EXPECT_FALSE(found.model.is_diagonal_in(2));
+    for (const double factor : {0.4, 2.5})
+        EXPECT_LT(error_mm(found.model, body, factor, walls), 3 * options.tolerance_mm) << factor;
+}
+
+/// A ball pressed together bears a stress of its own stiffness: the stiffer it is for what
+/// surrounds it, the sooner it buckles.
+TEST(TangentResponse, StaysNearerWhereTheTangentIsNotStable) {
+    const Block block;
+    TangentOptions options;
+    options.solver = Block::solver();
+    const RecoveryModel& recovery = block.rest.recovery;
+    SolidModel model = with_law(recovery.model, {"neo-hookean"});
+    set_stiffness(model, 2, true_kpa);
+    const auto reach_pressed_by = [&](double part) {
+        Eigen::VectorXd u(3 * model.mesh.num_nodes());
+        for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
+            const Vec3 x = model.mesh.nodes[n] - ball_centre;
+            u.segment<3>(3 * n) = -part * std::exp(-x.squaredNorm() / 60) * x;
+        }
+        const DeformedBody body{model, recovery.observed, recovery.driven, u};
+        return tangent_response(body, block.rest.response, block.rest.walls, {2}, options).reach;
+    };
+
+    EXPECT_EQ(reach_pressed_by(0.02), options.reach);
+    EXPECT_LT(reach_pressed_by(0.09), options.reach);
+    EXPECT_EQ(fixtures::code_of([&] { reach_pressed_by(0.5); }), ErrorCode::solve_failed);
 }
 
 TEST(FiniteStrain, SaysThatItDidNotSettle) {

@@ -21,9 +21,11 @@ struct DeformedBody {
 };
 
 struct TangentOptions {
-    double tolerance_mm = 0.1;  ///< as in ResponseOptions, for moduli within the reach
+    /// Root mean square of the observed displacement that may be left out, mm, for wall motions
+    /// drawn from the prior at moduli within the reach.
+    double tolerance_mm = 0.02;
     /// Factor on the unknown moduli within which the tangent is to be stable. Where it is not, the
-    /// root of the factor is tried, as long as that is above `narrowest_reach`.
+    /// root of the factor is tried, down to `narrowest_reach`.
     double reach = 3.0, narrowest_reach = 1.2;
     unsigned seed = 1;
     LinearSolverOptions solver;
@@ -31,19 +33,22 @@ struct TangentOptions {
 
 struct TangentResponse {
     ResponseModel model;
-    double reach = 1;  ///< within which it is stable
+    double reach = 1;        ///< within which it is stable
+    double left_out_mm = 0;  ///< measured for motions and moduli as `tolerance_mm` has them
     CondensationSummary condensation;
 };
 
 /// The response of a body linearised at u* (method.md, 10.2). Functionals are those of `rest`, as
 /// many as the tolerance asks for. Modes span the tangent's own answers to them and to each
-/// region's forces at the soft end of the reach; at E* and at the stiff end as well, if random wall
-/// motions are answered outside them there. Regions are condensed onto the modes alone: some
-/// hundred solves instead of one for each observed degree of freedom.
+/// region's forces at the soft end of the reach; at E*, at the stiff end and with each of several
+/// unknown moduli alone at its ends as well, where random wall motions are answered outside them.
+/// Regions are condensed onto the modes alone: some hundred solves instead of one for each observed
+/// degree of freedom.
+///   walls    as they are known by now
 ///   unknown  regions whose moduli will change
 /// Throws Error(solve_failed) where the tangent is not stable even within the narrowest reach.
 TangentResponse tangent_response(const DeformedBody& body, const ResponseModel& rest,
-                                 const WallPrior& prior, const std::vector<Index>& unknown,
+                                 const WallPrior& walls, const std::vector<Index>& unknown,
                                  const TangentOptions& options, const ProgressSink& progress = {});
 
 /// The same of a state near that of `earlier`, in its modes and functionals: one solve a mode.

@@ -18,9 +18,11 @@ namespace palpate {
 namespace {
 
 constexpr double least_modulus_change = 1e-3;  // of ln E
-/// Root mean square over all components by which a state may move before new modes are looked for:
-/// a thirtieth of the size of the organs.
-constexpr double near_mm = 1.0;
+/// Modes serve again where the observed nodes have moved by less (root mean square over components,
+/// a thirtieth of the size of the organs), and moduli by less than this part of their reach.
+constexpr double near_mm = 1.0, near_of_reach = 0.3;
+/// What a response model may leave out, as a part of the least noise.
+constexpr double left_out_of_noise = 0.3, most_left_out_mm = 0.1;
 /// Steps of the load that are tried on the way; the end of the search goes further.
 constexpr double smallest_step = 0.02;
 
@@ -56,7 +58,10 @@ private:
     Equilibrium equilibrium_from(const Eigen::VectorXd& start) const;
     void linearise();
     DeformedBody body() const;
-    void take_tangents();
+    bool is_near_modes() const;
+    bool keep_modes();
+    void take_modes(double tolerance_mm);
+    MapEstimate nearest_estimate();
     void search();
     void keep_records();
     void judge();
@@ -75,7 +80,9 @@ private:
     FiniteStrainEstimate found_;
     Eigen::VectorXd last_theta_;
     std::vector<IterationRecord> records_;  ///< of all searches
-    Eigen::VectorXd modes_at_;              ///< u for which modes were found, [3 num_nodes] mm
+    LinearisationPoint modes_at_;           ///< where the last modes were found
+    Eigen::VectorXd theta_of_modes_;
+    double tolerance_mm_ = 0;  ///< of the last modes
     CondensationSummary condensation_;
     double reach_ = 1;  ///< of the last modes
     double noise_mm_;
@@ -120,39 +127,78 @@ void Rounds::find_equilibrium() {
 void Rounds::linearise() {
     least_noise_mm_ = noise_mm_ * std::clamp(found_.gap_mm / noise_mm_,
                                              options_.search.smallest_noise_scale, 1.0);
-    const bool is_near =
-        modes_at_.size() > 0 && root_mean_square(found_.state.displacement - modes_at_) < near_mm;
-    if (is_near)
-        found_.response = std::make_shared<ResponseModel>(
-            tangent_response_near(body(), *found_.response, unknown(), options_.solver, progress_));
-    else
-        take_tangents();
+    const double tolerance_mm =
+        std::max(options_.tangent_tolerance_mm,
+                 std::min(left_out_of_noise * least_noise_mm_, most_left_out_mm));
+    if (!is_near_modes() || tolerance_mm < 0.5 * tolerance_mm_ || !keep_modes())
+        take_modes(tolerance_mm);
     ++found_.rounds;
+}
+
+bool Rounds::is_near_modes() const {
+    if (modes_at_.observed.size() == 0) return false;
+    const double moved = root_mean_square(point_of(body()).observed - modes_at_.observed);
+    const double changed = (found_.estimate.theta - theta_of_modes_).lpNorm<Eigen::Infinity>();
+    return moved < near_mm && changed < near_of_reach * std::log(reach_);
+}
+
+/// The tangent in the modes that there are; false where it is not stable within their reach.
+bool Rounds::keep_modes() {
+    try {
+        auto next = std::make_shared<ResponseModel>(
+            tangent_response_near(body(), *found_.response, unknown(), options_.solver, progress_));
+        for (const double factor : {1 / reach_, reach_}) {
+            std::vector<double> kpa = moduli_of(model_);
+            for (const Index region : unknown()) kpa[region] *= factor;
+            if (!next->is_stable(kpa)) return false;
+        }
+        found_.response = std::move(next);
+        return true;
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::solve_failed) throw;
+        return false;
+    }
 }
 
 DeformedBody Rounds::body() const {
     return {model_, rest_.recovery.observed, rest_.recovery.driven, found_.state.displacement};
 }
 
-void Rounds::take_tangents() {
+void Rounds::take_modes(double tolerance_mm) {
     TangentOptions tangent;
-    tangent.tolerance_mm = options_.tangent_tolerance_mm;
+    tangent.tolerance_mm = tolerance_mm_ = tolerance_mm;
     tangent.solver = options_.solver;
-    modes_at_ = found_.state.displacement;
+    const WallPrior& walls = found_.estimate.walls ? *found_.estimate.walls : rest_.walls;
     TangentResponse taken =
-        tangent_response(body(), rest_.response, rest_.walls, unknown(), tangent, progress_);
+        tangent_response(body(), rest_.response, walls, unknown(), tangent, progress_);
     found_.response = std::make_shared<ResponseModel>(std::move(taken.model));
     reach_ = taken.reach;
     condensation_ = std::move(taken.condensation);
+    modes_at_ = point_of(body());
+    theta_of_modes_ = found_.estimate.theta;
+}
+
+/// Of several moduli the reach holds for all together and for each alone. Where the search comes to
+/// others that are not stable, it stays nearer.
+MapEstimate Rounds::nearest_estimate() {
+    MapOptions search = options_.search;
+    search.smallest_noise_scale = least_noise_mm_ / noise_mm_;
+    for (;; reach_ = std::sqrt(reach_)) {
+        search.reach = reach_;
+        try {
+            return map_estimate_near(found_.estimate, *found_.response, rest_.walls, observations_,
+                                     rest_.unknowns, search, progress_);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::solve_failed || rest_.unknowns.size() < 2 ||
+                reach_ < TangentOptions{}.narrowest_reach)
+                throw;
+        }
+    }
 }
 
 void Rounds::search() {
     last_theta_ = found_.estimate.theta;
-    MapOptions search = options_.search;
-    search.reach = reach_;
-    search.smallest_noise_scale = least_noise_mm_ / noise_mm_;
-    found_.estimate = map_estimate_near(found_.estimate, *found_.response, rest_.walls,
-                                        observations_, rest_.unknowns, search, progress_);
+    found_.estimate = nearest_estimate();
     keep_records();
 }
 

@@ -13,9 +13,6 @@
 
 namespace palpate {
 
-/// What the response at rest may leave out where it is only the start of rounds, mm.
-inline constexpr double start_tolerance_mm = 0.05;
-
 struct FiniteStrainOptions {
     int max_rounds = 12;  ///< linearisations at most
     /// Converged: a round changed no ln E by more than this part of its standard deviation, that of
@@ -24,9 +21,9 @@ struct FiniteStrainOptions {
     double model_sd_ln = palpate::model_sd_ln;
     /// the equilibrium lies this close to what the linearised model said, root mean square, mm.
     double displacement_tolerance_mm = 0.03;
-    /// What tangents may leave out of motions drawn from the prior, root mean square: the motions
-    /// of a round are a tenth of those and less.
-    double tangent_tolerance_mm = 0.1;
+    /// What tangents may leave out of motions drawn from the prior, root mean square: a third of
+    /// the noise, but no more than 0.1 and no less than this.
+    double tangent_tolerance_mm = 0.02;
     MapOptions search;
     LinearSolverOptions solver;
 };

@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-FullSolver::FullSolver(SolidModel model, LinearSolverOptions options, Index num_columns) {
+FullSolver::FullSolver(SolidModel model, LinearSolverOptions options, Index num_columns,
+                       std::launch when) {
     options.expected_columns = num_columns;
-    set_up_ =
-        std::async(std::launch::async, [model = std::move(model), options = std::move(options)] {
-            return make_rest_solver(model, options);
-        });
+    set_up_ = std::async(when, [model = std::move(model), options = std::move(options)] {
+        return make_rest_solver(model, options);
+    });
 }
 
 LinearSolver& FullSolver::at(const std::vector<double>& kpa) {

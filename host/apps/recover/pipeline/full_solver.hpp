@@ -16,8 +16,10 @@ namespace palpate {
 /// ends; only numbers change after that.
 class FullSolver {
 public:
-    /// `num_columns`: right-hand sides to be expected per set of moduli.
-    FullSolver(SolidModel model, LinearSolverOptions options, Index num_columns);
+    /// `num_columns`: right-hand sides to be expected per set of moduli. `when`: deferred sets up
+    /// at the first call of `at`.
+    FullSolver(SolidModel model, LinearSolverOptions options, Index num_columns,
+               std::launch when = std::launch::async);
     /// Waits for the set-up. `kpa`: moduli of all regions [num regions]. Throws what
     /// `make_rest_solver` throws.
     LinearSolver& at(const std::vector<double>& kpa);

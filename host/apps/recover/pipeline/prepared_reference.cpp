@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "host/apps/recover/modelling/regions.hpp"
-#include "host/apps/recover/pipeline/finite_strain.hpp"
 #include "host/geometry/meshing/solid_mesh_file.hpp"
 #include "solver/model/quadratic_mesh.hpp"
 
@@ -63,12 +62,9 @@ PreparedReference prepare_reference(ReferenceState reference, const RecoverOptio
 PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, MesherSummary mesher,
                                     std::vector<DistanceMap> maps, const RecoverOptions& options,
                                     StageTimer& timer, const ProgressSink& progress) {
-    MechanicsOptions at_rest = options.mechanics;
-    if (!options.law.is_linear())
-        at_rest.response.tolerance_mm = std::max(at_rest.response.tolerance_mm, start_tolerance_mm);
     Mechanics mechanics =
-        make_mechanics(mesh, options.settings, options.solver, at_rest, timer, progress);
-    auto full_solver = start_full_solver(mechanics.recovery, options.solver);
+        make_mechanics(mesh, options.settings, options.solver, options.mechanics, timer, progress);
+    auto full_solver = start_full_solver(mechanics.recovery, options);
     auto finer_mesh = make_finer_mesh(mesh, options);
     return {std::move(reference), std::move(mesh),        std::move(mesher),    std::move(maps),
             std::move(mechanics), std::move(full_solver), std::move(finer_mesh)};
@@ -84,12 +80,13 @@ std::shared_ptr<FinerMesh> make_finer_mesh(const BodyMesh& mesh, const RecoverOp
 }
 
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
-                                              const LinearSolverOptions& options) {
+                                              const RecoverOptions& options) {
     const auto driven = std::count_if(recovery.surfaces.begin(), recovery.surfaces.end(),
                                       [](const auto& surface) { return surface.driven; });
     // The motion, and the gradients of the resultant force on each driven organ.
-    return std::make_shared<FullSolver>(recovery.model, options,
-                                        static_cast<Index>(1 + 3 * driven));
+    return std::make_shared<FullSolver>(
+        recovery.model, options.solver, static_cast<Index>(1 + 3 * driven),
+        options.law.is_linear() ? std::launch::async : std::launch::deferred);
 }
 
 }  // namespace palpate

@@ -38,8 +38,9 @@ PreparedReference prepare_reference(ReferenceState reference, BodyMesh mesh, Mes
 /// ones, unknown Poisson's ratios.
 std::shared_ptr<FinerMesh> make_finer_mesh(const BodyMesh& mesh, const RecoverOptions& options);
 
-/// Sets up the solver of the whole model, in the background.
+/// Sets up the solver of the whole model, in the background; at large deformation, which has no use
+/// for it, when it is asked for.
 std::shared_ptr<FullSolver> start_full_solver(const RecoveryModel& recovery,
-                                              const LinearSolverOptions& options);
+                                              const RecoverOptions& options);
 
 }  // namespace palpate

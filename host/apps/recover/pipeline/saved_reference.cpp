@@ -236,7 +236,7 @@ PreparedReference restore(SavedReference saved, ReferenceState reference,
     });
     Mechanics mechanics = blaming_file(saved, [&] { return mechanics_of(saved, settings); });
     auto done = maps.get();
-    auto full_solver = start_full_solver(mechanics.recovery, options.solver);
+    auto full_solver = start_full_solver(mechanics.recovery, options);
     auto finer_mesh = make_finer_mesh(saved.mesh, options);
     return {std::move(reference), std::move(saved.mesh),  std::move(saved.mesher), std::move(done),
             std::move(mechanics), std::move(full_solver), std::move(finer_mesh)};

@@ -119,8 +119,10 @@ void search_with_mesh_change(Recovered& found, const Mechanics& mechanics, FullS
         found.mesh_change = of_no_size * at_nodes(finer_mesh.change(kpa, displacement, progress),
                                                   found.recovery.observed);
     } catch (const Error& error) {
-        if (error.code() != ErrorCode::solve_failed && error.code() != ErrorCode::out_of_memory)
-            throw;
+        // A device that breaks while it works is an error wherever it does.
+        for (const ErrorCode code : {ErrorCode::cancelled, ErrorCode::time_limit,
+                                     ErrorCode::device_failed, ErrorCode::internal})
+            if (error.code() == code) throw;
         found.warnings.push_back(
             std::string("What the size of the elements changes is not in the answer: ") +
             error.what());
@@ -139,8 +141,7 @@ void search_with_mesh_change(Recovered& found, const Mechanics& mechanics, FullS
 FiniteStrainOptions finite_strain_options(const RecoverOptions& options) {
     FiniteStrainOptions finite;
     finite.max_rounds = options.max_rounds;
-    finite.tangent_tolerance_mm =
-        std::max(finite.tangent_tolerance_mm, options.mechanics.response.tolerance_mm);
+    finite.tangent_tolerance_mm = options.mechanics.response.tolerance_mm;
     finite.search = options.search;
     finite.solver = options.solver;
     return finite;
@@ -211,7 +212,7 @@ void search_model(Recovered& found, const Mechanics& mechanics, FullSolver& full
     if (found.finite) {
         take_equilibrium(found);
     } else if (has_unknown_ratio) {
-        solve_full_model(found, *start_full_solver(found.recovery, options.solver), progress);
+        solve_full_model(found, *start_full_solver(found.recovery, options), progress);
     } else {
         solve_full_model(found, full_solver, progress);
     }
