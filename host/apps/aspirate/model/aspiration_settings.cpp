@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr NumberRange length_mm{0, 200, true}, pixel_um{0, 10000, true}, pixels{0, 20000};
-constexpr double stick_friction = 10;  // no tissue slips under it
 constexpr double hole_radii_deep = 4, hole_radii_wide = 4;
 constexpr int most_terms = 3;
 

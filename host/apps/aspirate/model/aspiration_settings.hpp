@@ -14,6 +14,11 @@
 
 namespace palpate {
 
+/// Coulomb's coefficient of tissue that sticks to the tube: none slips under it.
+inline constexpr double stick_friction = 10;
+/// Bulk modulus over Young's modulus at the peak of suction, where nothing else is told.
+inline constexpr double usual_kappa_over_shear = 500;
+
 /// What has to be known of the instrument and the camera to read profiles off frames.
 struct AspirationInstrument {
     double hole_diameter_mm = 10;
@@ -55,7 +60,8 @@ struct AspirationSettings {
     double width_mm = 0;             ///< of what is modelled, from the axis
     std::vector<std::string> laws;
     std::vector<int> relaxation_terms;  ///< how many are tried
-    double kappa_over_shear = 500;      ///< bulk modulus over the largest shear stiffness
+    /// Bulk modulus over Young's modulus that the travel at the peak tells.
+    double kappa_over_shear = usual_kappa_over_shear;
     SettingNumber friction;
     bool sticks = false;  ///< no slip on the tube
     int steps = 32;       ///< that the cycle is solved in

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kpa_per_mbar = 0.1, most_mbar = 1000, least_peak_mbar = 0.5;
+constexpr double least_peak_mbar = 0.5;
 constexpr double begin_part = 0.005, most_at_first = 0.05;  // of the peak
 constexpr double straight_part = 0.004;
 constexpr double least_reading_mbar = -0.5;  // a sensor's zero may be off by so much
@@ -33,10 +33,10 @@ void check(const Suction& suction, const std::string& source) {
         if (k > 0 && !(suction.time_s[k] > suction.time_s[k - 1]))
             refuse(source, fmt::format("times must ascend; there is {:g} s after {:g} s",
                                        suction.time_s[k], suction.time_s[k - 1]));
-        if (mbar < least_reading_mbar || mbar > most_mbar)
-            refuse(source, fmt::format("the suction is {:g} mbar at {:g} s; allowed: 0 to 1000, "
+        if (mbar < least_reading_mbar || mbar > most_suction_mbar)
+            refuse(source, fmt::format("the suction is {:g} mbar at {:g} s; allowed: 0 to {:g}, "
                                        "positive where it sucks",
-                                       mbar, suction.time_s[k]));
+                                       mbar, suction.time_s[k], most_suction_mbar));
     }
     const double peak_kpa = suction.peak_kpa();
     if (peak_kpa < least_peak_mbar * kpa_per_mbar)

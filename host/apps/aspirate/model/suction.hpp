@@ -9,6 +9,9 @@
 
 namespace palpate {
 
+inline constexpr double kpa_per_mbar = 0.1;
+inline constexpr double most_suction_mbar = 1000;  ///< of any reading
+
 /// The suction over time: straight lines between readings, the first before and the last after
 /// them.
 struct Suction {
