@@ -9,12 +9,16 @@
 namespace palpate {
 namespace {
 
-constexpr double cap_mm = 1, rise_s = 3.5, fall_s = 6.5, released_s = 9.5, end_s = 16;
+constexpr double cap_mm = 1, rise_s = 3.5, fall_s = 6.5, released_s = 9.5;
 constexpr double contact_factor = 300;  // stiffness of the tube over that of the tissue, per mm
 constexpr double sample_mm = 0.25, lowest_mm = 0.62;
 constexpr const char* points_file = "points.csv";
 
 }  // namespace
+
+double SuckedScene::stiffness_kpa() const {
+    return theret_stiffness(peak_kpa, hole_radius_mm, travel_mm);
+}
 
 AspirationBody SuckedScene::body() const {
     AspirationBody body;
@@ -27,11 +31,10 @@ AspirationBody SuckedScene::body() const {
     body.width_mm = 20;
     body.rest = cap_surface(cap_mm, hole_radius_mm, edge_radius_mm);
     body.kappa_kpa = kappa_kpa;
-    body.contact_kpa_per_mm =
-        contact_factor * theret_stiffness(peak_kpa, hole_radius_mm, travel_mm);
+    body.contact_kpa_per_mm = contact_factor * stiffness_kpa();
     body.peak_kpa = peak_kpa;
-    const Suction cycle{{0, rise_s, fall_s, released_s, end_s}, {0, peak_kpa, peak_kpa, 0, 0}};
-    body.steps = suction_steps(cycle, end_s, num_steps);
+    const Suction cycle{{0, rise_s, fall_s, released_s, film_s}, {0, peak_kpa, peak_kpa, 0, 0}};
+    body.steps = suction_steps(cycle, film_s, num_steps);
     body.refine = refine;
     return body;
 }

@@ -14,11 +14,13 @@ namespace palpate {
 /// The scene of the studies of sucked tissue: a cap of 1 mm over a hole of 10 mm, sucked as in the
 /// published cycle (rise 3.5 s, hold 3 s, release 3 s, 16 s in all).
 struct SuckedScene {
-    static constexpr double hole_radius_mm = 5, travel_mm = 1.65;
+    static constexpr double hole_radius_mm = 5, travel_mm = 1.65, film_s = 16;
     double peak_kpa = 10, kappa_kpa = 1e4, edge_radius_mm = 0.2, friction = 0;
     int num_steps = 48;
     int refine = 1;  ///< of the cells
 
+    /// Young's modulus at the peak, about.
+    double stiffness_kpa() const;
     /// What is sucked, but for its tissue.
     AspirationBody body() const;
     static const char* sentence();  ///< for pages

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "host/apps/identify/experiment_problem.hpp"
@@ -21,8 +22,13 @@
 namespace palpate {
 namespace {
 
-constexpr double no_slip = 1, sd_mm = 0.02;
-constexpr int edge_refine = 2;  // coarser cells at the edge move mu by 1.5 % more
+constexpr double sd_mm = 0.02;
+constexpr double true_kappa_kpa = 1e4, hardly_compressible_kpa = 1e5;
+// of tissue that sticks as well: heights differ by 1 um at most. It has an equilibrium with an edge
+// of 0.1 mm, where `stick_friction` has none
+constexpr double enough_friction = 3;
+constexpr double less_friction = 1;  // which slips a little
+constexpr int edge_refine = 2;       // coarser cells at the edge move mu by 1.5 % more
 
 /// A law of Veronda and Westmann with one relaxation term.
 struct Tissue {
@@ -71,7 +77,9 @@ Row run_case(const Tissue& tissue, const SuckedScene& truth, const SuckedScene& 
     const Fit found = fit_least_squares(experiment, progress);
 
     Row row;
+    row.set("true_kappa_kpa", truth.kappa_kpa, 0);
     row.set("kappa_kpa", assumed.kappa_kpa, 0);
+    row.set("true_friction", truth.friction, 1);
     row.set("edge_radius_mm", assumed.edge_radius_mm, 3);
     for (std::size_t k = 0; k < experiment.paths().size(); ++k)
         for (std::size_t n = 0; n < Tissue::names.size(); ++n)
@@ -89,7 +97,8 @@ Row run_case(const Tissue& tissue, const SuckedScene& truth, const SuckedScene& 
 }
 
 std::vector<std::string> columns() {
-    std::vector<std::string> names{"kappa_kpa", "edge_radius_mm"};
+    std::vector<std::string> names{"true_kappa_kpa", "kappa_kpa", "true_friction",
+                                   "edge_radius_mm"};
     for (const char* name : Tissue::names) {
         names.push_back(fmt::format("true_{}", name));
         names.emplace_back(name);
@@ -102,27 +111,36 @@ double error_percent(const Row& row, const std::string& name) {
     return 100 * (row.number(name) / row.number("true_" + name) - 1);
 }
 
+/// What a row is called in a table or a fact.
+using Label = std::function<std::string(const Row&)>;
+
+/// What was published of a bulk modulus, as cells; dashes where nothing was.
+std::vector<std::string> published_cells(double kappa_kpa,
+                                         const std::vector<PublishedSuckedTissue>& published) {
+    for (const PublishedSuckedTissue& one : published)
+        if (one.kappa_kpa == kappa_kpa)
+            return {fmt::format("{:g}", one.mu_kpa), fmt::format("{:g}", one.gamma),
+                    fmt::format("{:g}", one.amplitude), fmt::format("{:g}", one.time_s)};
+    return std::vector<std::string>(published.empty() ? 0 : 4, "–");
+}
+
 /// A line for each row: what was found with its error, what is left unexplained, and beside it what
 /// was published, if anything.
-StudyTable found_table(const std::vector<Row>& rows, const std::string& key,
-                       const std::string& key_title,
+StudyTable found_table(const std::vector<Row>& rows, const Label& label, const std::string& title,
                        const std::vector<PublishedSuckedTissue>& published) {
-    StudyTable table{{key_title, "mu, kPa", "gamma", "C", "tau, s", "left unexplained, um"}, {}};
+    StudyTable table{{title, "mu, kPa", "gamma", "C", "tau, s", "left unexplained, um"}, {}};
     if (!published.empty()) {
         table.header.insert(table.header.end(), {"mu, kPa", "gamma", "C", "tau, s"});
         table.groups = {{"found (error)", 5}, {"published, of a measurement", 4}};
     }
     for (const Row& row : rows) {
-        std::vector<std::string> line{fmt::format("{:g}", row.number(key))};
+        std::vector<std::string> line{label(row)};
         for (const char* name : Tissue::names)
             line.push_back(fmt::format("{:.3g} ({})", row.number(name),
                                        signed_percent(error_percent(row, name))));
         line.push_back(fmt::format("{:.1f}", row.number("rms_um")));
-        for (const PublishedSuckedTissue& one : published)
-            if (one.kappa_kpa == row.number(key))
-                line.insert(line.end(),
-                            {fmt::format("{:g}", one.mu_kpa), fmt::format("{:g}", one.gamma),
-                             fmt::format("{:g}", one.amplitude), fmt::format("{:g}", one.time_s)});
+        const auto cells = published_cells(row.number("kappa_kpa"), published);
+        line.insert(line.end(), cells.begin(), cells.end());
         table.lines.push_back(line);
     }
     return table;
@@ -169,90 +187,151 @@ double worst_error(const std::vector<Row>& rows) {
     return worst;
 }
 
-void add_facts(const std::vector<Row>& rows, const std::string& key, StudyReport& report) {
+void add_facts(const std::vector<Row>& rows, const Label& label, StudyReport& report) {
     for (const Row& row : rows) {
         for (const char* name : Tissue::names)
-            report.facts.emplace_back(
-                fmt::format("{}_{:g}.{}_error_percent", key, row.number(key), name),
-                error_percent(row, name));
-        report.facts.emplace_back(fmt::format("{}_{:g}.rms_um", key, row.number(key)),
-                                  row.number("rms_um"));
+            report.facts.emplace_back(fmt::format("{}.{}_error_percent", label(row), name),
+                                      error_percent(row, name));
+        report.facts.emplace_back(label(row) + ".rms_um", row.number("rms_um"));
     }
+}
+
+std::vector<Row> rows_where(const std::vector<Row>& rows, const std::string& name, double value) {
+    std::vector<Row> some;
+    for (const Row& row : rows)
+        if (row.number(name) == value) some.push_back(row);
+    return some;
+}
+
+std::string kappa_label(const Row& row) {
+    return fmt::format("{:g} for {:g}", row.number("kappa_kpa"), row.number("true_kappa_kpa"));
 }
 
 StudyReport kappa_report(const std::vector<Row>& rows) {
     StudyReport report;
+    const std::vector<Row> usual = rows_where(rows, "true_kappa_kpa", true_kappa_kpa);
     report.headline =
         fmt::format("A bulk modulus that is assumed too small makes errors of up to {:.0f} %",
                     worst_error(rows));
-    report.sentences = {scene_sentence(),
-                        "Data are of tissue with a bulk modulus of 10 MPa, which hardly changes "
-                        "its volume; fits take it for less."};
-    const StudyTable table =
-        found_table(rows, "kappa_kpa", "assumed bulk modulus, kPa", published_sucked_tissue());
+    report.sentences = {
+        scene_sentence(),
+        "Data are of tissue with a bulk modulus of 10 MPa, which hardly changes its volume; fits "
+        "take it for less. One more has 100 MPa and is fitted with what aspirate fit assumes.",
+        fmt::format("The stiffness at the peak is {:.1f} kPa, of which aspirate fit takes {:g} "
+                    "times.",
+                    SuckedScene().stiffness_kpa(), usual_kappa_over_shear)};
+    const StudyTable table = found_table(rows, kappa_label, "bulk modulus, assumed for true, kPa",
+                                         published_sucked_tissue());
     report.sections = {
         {"What a bulk modulus does",
          table.html("beside") + "<p class='caption'>" + published_sucked_tissue_source() + "</p>",
-         {error_curves(rows, "kappa_kpa", {50, 2e4, true, "assumed bulk modulus, kPa"})}}};
-    add_facts(rows, "kappa_kpa", report);
+         {error_curves(usual, "kappa_kpa", {50, 2e4, true, "assumed bulk modulus, kPa"})}}};
+    add_facts(
+        rows,
+        [](const Row& row) {
+            return fmt::format("kappa_kpa_{:g}_for_{:g}", row.number("kappa_kpa"),
+                               row.number("true_kappa_kpa"));
+        },
+        report);
     report.text = table.plain();
     return report;
 }
 
+std::string friction_label(const Row& row) {
+    return fmt::format("{:g}, friction {:g}", row.number("edge_radius_mm"),
+                       row.number("true_friction"));
+}
+
+/// Ascending in the edge's radius.
+std::vector<Row> sticking_rows(const std::vector<Row>& rows) {
+    std::vector<Row> some;
+    for (const Row& row : rows)
+        if (row.number("true_friction") >= enough_friction) some.push_back(row);
+    return some;
+}
+
 StudyReport friction_report(const std::vector<Row>& rows) {
     StudyReport report;
+    const std::vector<Row> sticking = sticking_rows(rows);
     report.headline = fmt::format(
         "Tissue that sticks to the tube and is taken to slide is wrong by up to {:.0f} %",
-        worst_error(rows));
+        worst_error(sticking));
     report.sentences = {
         scene_sentence(),
-        "Data are of tissue that sticks to the rim, fits let it slide, for edges of several "
-        "radii, which fits know. Published, of one measurement: gamma 12.0 sliding and 10.5 "
-        "sticking (+14 %), mu 0.693 and 0.700 kPa (-1 %), C 0.41 and 0.44, tau 4.7 and 4.8 s."};
-    const StudyTable table = found_table(rows, "edge_radius_mm", "radius of the edge, mm", {});
+        fmt::format("Data are of tissue that sticks to the rim (friction {:g}, as in aspirate "
+                    "fit; {:g} with an edge of 0.1 mm, where {:g} has no equilibrium), fits let it "
+                    "slide, for edges of several radii, which fits know. Beside it friction {:g}.",
+                    stick_friction, enough_friction, stick_friction, less_friction),
+        "Published, of one measurement: gamma 12.0 sliding and 10.5 sticking (+14 %), mu 0.693 "
+        "and 0.700 kPa (-1 %), C 0.41 and 0.44, tau 4.7 and 4.8 s."};
+    const StudyTable table = found_table(rows, friction_label, "radius of the edge, mm", {});
     report.sections = {
         {"What friction does",
          table.html("beside") + "<p class='caption'>" + published_sucked_tissue_source() + "</p>",
-         {error_curves(rows, "edge_radius_mm", {0, 0.5, false, "radius of the edge, mm"})}}};
-    add_facts(rows, "edge_radius_mm", report);
+         {error_curves(sticking, "edge_radius_mm", {0, 0.5, false, "radius of the edge, mm"})}}};
+    add_facts(
+        rows,
+        [](const Row& row) {
+            return fmt::format("edge_radius_mm_{:g}_friction_{:g}", row.number("edge_radius_mm"),
+                               row.number("true_friction"));
+        },
+        report);
     report.text = table.plain();
     return report;
+}
+
+StudyCase kappa_case(double true_kpa, double assumed_kpa) {
+    return {fmt::format("kappa-{:.0f}-for-{:.0f}", assumed_kpa, true_kpa),
+            fmt::format("bulk modulus {:.0f} for {:.0f} kPa", assumed_kpa, true_kpa),
+            [=](const ProgressSink& progress) {
+                return run_case(published_sliding, {.kappa_kpa = true_kpa},
+                                {.kappa_kpa = assumed_kpa}, progress);
+            }};
+}
+
+StudyCase friction_case(double friction, double edge_mm) {
+    return {fmt::format("friction-{:g}-edge-{:g}", friction, edge_mm),
+            fmt::format("friction {:g}, edge of {:g} mm", friction, edge_mm),
+            [=](const ProgressSink& progress) {
+                return run_case(
+                    published_sticking,
+                    {.edge_radius_mm = edge_mm, .friction = friction, .refine = edge_refine},
+                    {.edge_radius_mm = edge_mm, .refine = edge_refine}, progress);
+            }};
 }
 
 }  // namespace
 
 Study make_aspiration_kappa_study(const StudyOptions&) {
-    Study study{"aspiration-kappa",
-                "What the bulk modulus that is assumed does to sucked tissue",
-                {{"steps", fmt::format("{}", SuckedScene().num_steps)}},
-                columns(),
-                {},
-                kappa_report};
-    for (const double kappa_kpa : {1e4, 1e3, 1e2})
-        study.cases.push_back(
-            {fmt::format("kappa-{:g}", kappa_kpa), fmt::format("bulk modulus {:g} kPa", kappa_kpa),
-             [=](const ProgressSink& progress) {
-                 return run_case(published_sliding, {}, {.kappa_kpa = kappa_kpa}, progress);
-             }});
+    Study study{
+        "aspiration-kappa",
+        "What the bulk modulus that is assumed does to sucked tissue",
+        {{"steps", fmt::format("{}", SuckedScene().num_steps)},
+         {"true kPa", fmt::format("{:g} and {:g}", true_kappa_kpa, hardly_compressible_kpa)}},
+        columns(),
+        {},
+        kappa_report};
+    for (const double kappa_kpa : {true_kappa_kpa, 1e3, 1e2})
+        study.cases.push_back(kappa_case(true_kappa_kpa, kappa_kpa));
+    study.cases.push_back(kappa_case(hardly_compressible_kpa,
+                                     usual_kappa_over_shear * SuckedScene().stiffness_kpa()));
     return study;
 }
 
 Study make_aspiration_friction_study(const StudyOptions&) {
     Study study{"aspiration-friction",
                 "Tissue that sticks to the tube and is taken to slide",
-                {{"steps", fmt::format("{}", SuckedScene().num_steps)}},
+                {{"steps", fmt::format("{}", SuckedScene().num_steps)},
+                 {"friction",
+                  fmt::format("{:g}, {:g}, {:g}", stick_friction, enough_friction, less_friction)}},
                 columns(),
                 {},
                 friction_report};
     for (const double edge_mm : {0.05, 0.1, 0.2, 0.4})
         study.cases.push_back(
-            {fmt::format("edge-{:g}", edge_mm), fmt::format("edge of {:g} mm", edge_mm),
-             [=](const ProgressSink& progress) {
-                 return run_case(
-                     published_sticking,
-                     {.edge_radius_mm = edge_mm, .friction = no_slip, .refine = edge_refine},
-                     {.edge_radius_mm = edge_mm, .refine = edge_refine}, progress);
-             }});
+            friction_case(edge_mm == 0.1 ? enough_friction : stick_friction, edge_mm));
+    for (const double edge_mm : {0.05, 0.1, 0.2, 0.4})
+        study.cases.push_back(friction_case(less_friction, edge_mm));
     return study;
 }
 
