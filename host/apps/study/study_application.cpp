@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "host/apps/compute_options.hpp"
+#include "host/apps/recover/modelling/body_mesh.hpp"
 #include "host/apps/study/run_study.hpp"
 #include "host/apps/study/studies.hpp"
 #include "host/system/interrupt.hpp"

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/phantom/random_numbers.hpp"
+#include "host/apps/study/drawn_tissue.hpp"
 #include "host/apps/study/figures.hpp"
 #include "host/apps/study/studies.hpp"
 #include "host/apps/study/sucked_scene.hpp"
@@ -24,51 +27,19 @@ namespace {
 
 constexpr const char* soft_law = "neo-hookean-reduced";
 const std::vector<std::string>& laws() {
-    static const std::vector<std::string> names{soft_law, "veronda-westmann", "reduced-polynomial"};
+    static const std::vector<std::string> names{soft_law, exponential_law, polynomial_law};
     return names;
 }
 constexpr int most_terms = 2;
 constexpr double noise_mm = 0.005;
 constexpr int most_tries = 5;
-// e^(gamma x) is how much stiffer tissue is at the peak, x = 1.3 (travel / hole radius)^2
-constexpr double stretch_factor = 1.3;
-constexpr double start_gamma = 8, start_amplitude = 0.5, start_time_s = 2;
-constexpr double stiff_side = 1.3;  // searches begin there
 
-/// What is sucked, drawn from a seed.
-struct TrueTissue {
-    std::string law;
-    double mu_kpa = 0, gamma = 0, peak_kpa = 0;
-    std::vector<std::pair<double, double>> terms;  ///< amplitude, time
+/// Where a search begins: stiffness over what the travel tells, and the rest of its numbers.
+struct Begin {
+    double stiff_side, gamma, amplitude, time_s;
 };
-
-/// Theret's formula the other way round: what it takes to suck tissue by `travel_mm`.
-double suction_for(double stiffness_kpa, double travel_mm) {
-    return stiffness_kpa / theret_stiffness(1, SuckedScene::hole_radius_mm, travel_mm);
-}
-
-double stretch_at(double travel_mm) {
-    return stretch_factor * std::pow(travel_mm / SuckedScene::hole_radius_mm, 2);
-}
-
-TrueTissue draw_tissue(unsigned seed) {
-    RandomNumbers random(0x5c0ffULL + seed);
-    const auto evenly_in_ln = [&](double low, double high) {
-        return std::exp(random.uniform(std::log(low), std::log(high)));
-    };
-    TrueTissue tissue;
-    tissue.law = laws()[random.is_below(0.5) ? 1 : 2];
-    tissue.mu_kpa = evenly_in_ln(0.2, 5);
-    tissue.gamma = evenly_in_ln(3, 25);
-    const double first_s = evenly_in_ln(0.5, 5);
-    tissue.terms = {{random.uniform(0.2, 0.8), first_s}};
-    if (random.is_below(0.5)) tissue.terms.emplace_back(random.uniform(0.2, 0.8), 5 * first_s);
-    const double travel_mm = random.uniform(1, 1.6);
-    // E = 6 mu e^(gamma x)
-    tissue.peak_kpa =
-        suction_for(6 * tissue.mu_kpa * std::exp(tissue.gamma * stretch_at(travel_mm)), travel_mm);
-    return tissue;
-}
+/// The second is for searches that do not end well from the first.
+constexpr std::array<Begin, 2> begins{{{1.3, 8, 0.5, 2}, {2, 4, 0.3, 4}}};
 
 /// A law by its shear modulus and how fast it stiffens: c2 of reduced-polynomial is mu gamma / 2.
 TissueText law_text(const std::string& law, double mu_kpa, double gamma,
@@ -88,19 +59,25 @@ TissueText law_text(const std::string& law, double mu_kpa, double gamma,
 }
 
 /// Where a search begins, told by the travel alone, on the stiff side.
-TissueText start_of(const std::string& law, int num_terms, double peak_kpa, double travel_mm) {
+TissueText start_of(const std::string& law, int num_terms, double peak_kpa, double travel_mm,
+                    const Begin& begin) {
     const double stiffness_kpa = theret_stiffness(peak_kpa, SuckedScene::hole_radius_mm, travel_mm);
-    const double softer = law == soft_law ? 1 : std::exp(start_gamma * stretch_at(travel_mm));
+    const double at_rest_kpa = stiffness_kpa / stiffening(law, begin.gamma, travel_mm);
     std::vector<std::pair<double, double>> terms;
     for (int k = 0; k < num_terms; ++k)
-        terms.emplace_back(start_amplitude / num_terms,
-                           num_terms == 1 ? start_time_s : start_time_s * (k == 0 ? 0.4 : 2.5));
-    return law_text(law, stiff_side * stiffness_kpa / (6 * softer), start_gamma, terms, true);
+        terms.emplace_back(begin.amplitude / num_terms,
+                           num_terms == 1 ? begin.time_s : begin.time_s * (k == 0 ? 0.4 : 2.5));
+    return law_text(law, begin.stiff_side * at_rest_kpa / 6, begin.gamma, terms, true);
 }
 
-/// Of one law with so many relaxation terms; minus infinity where it was not fitted.
-double log_evidence(const SuckedScene& scene, const TissueText& start,
-                    const std::filesystem::path& folder, const ProgressSink& progress) {
+/// How the search of one law with so many relaxation terms ended.
+struct TriedLaw {
+    std::string ending;
+    std::optional<double> log_evidence;  ///< where that can be used
+};
+
+TriedLaw try_law(const SuckedScene& scene, const TissueText& start,
+                 const std::filesystem::path& folder, const ProgressSink& progress) {
     AspirationBody body = scene.body();
     body.tissue = start;
     const Experiment experiment = sucked_experiment(body, folder);
@@ -108,50 +85,71 @@ double log_evidence(const SuckedScene& scene, const TissueText& start,
         experiment, [](SimulationSettings&) {}, 1, progress);
     try {
         const Fit found = fit(problem, {}, progress);
+        const std::string ending = found.is_settled ? name_of(found.ending) : "noise not settled";
+        if (!found.is_usable()) return {ending, std::nullopt};
         // neither profiles nor far ends: they say nothing of the evidence
         const IdentifyOptions options{{}, std::numeric_limits<double>::infinity(), false};
-        return identify(problem, found, options, progress).log_evidence;
+        return {ending, identify(problem, found, options, progress).log_evidence};
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
-        return -std::numeric_limits<double>::infinity();
+        return {"no equilibrium", std::nullopt};
     }
 }
 
 std::string model_name(const std::string& law, int num_terms) {
     return fmt::format("{}, {}", law, num_terms);
 }
+std::string ending_name(const std::string& law, int num_terms) {
+    return model_name(law, num_terms) + ": search";
+}
 
-Row recover_law(unsigned seed, const ProgressSink& progress) {
-    TrueTissue truth = draw_tissue(seed);
-    SuckedScene scene;
-    std::optional<SuckedSurface> surface;
-    for (int k = 0; !surface && k < most_tries; ++k, truth.peak_kpa *= 0.8) {
-        scene.peak_kpa = truth.peak_kpa;
+/// The truth's surface, with less suction than was drawn where that has no equilibrium.
+SuckedSurface suck(const DrawnTissue& truth, SuckedScene& scene, const ProgressSink& progress) {
+    scene.kappa_kpa = truth.kappa_kpa;
+    scene.peak_kpa = truth.peak_kpa;
+    for (int k = 0; k < most_tries; ++k, scene.peak_kpa *= 0.8) {
         AspirationBody body = scene.body();
         body.tissue = law_text(truth.law, truth.mu_kpa, truth.gamma, truth.terms, false);
-        surface = sucked_surface(body, 0, progress);
+        if (auto surface = sucked_surface(body, 0, progress)) return *std::move(surface);
     }
-    if (!surface) throw Error(ErrorCode::solve_failed, "this seed's tissue has no equilibrium");
-    RandomNumbers noise(0xab5e11ULL + seed);
-    const PrivateFolder folder;
-    write_sucked_points(
-        *surface, scene.body().steps, noise_mm, [&] { return noise_mm * noise.normal(); },
-        folder.path());
+    throw Error(ErrorCode::solve_failed, "this seed's tissue has no equilibrium");
+}
+
+Row row_of(const DrawnTissue& truth, const SuckedScene& scene, const SuckedSurface& surface) {
     Row row;
     row.set("true_law", truth.law);
     row.set("true_terms", double(truth.terms.size()), 0);
     row.set("mu_kpa", truth.mu_kpa, 3);
     row.set("gamma", truth.gamma, 2);
-    row.set("travel_mm", surface->travel_mm(), 2);
+    row.set("kappa_kpa", truth.kappa_kpa, 0);
+    row.set("peak_mbar", scene.peak_kpa / kpa_per_mbar, 0);
+    row.set("travel_mm", surface.travel_mm(), 2);
+    return row;
+}
+
+Row recover_law(unsigned seed, const ProgressSink& progress) {
+    const DrawnTissue truth = draw_tissue(seed);
+    SuckedScene scene;
+    const SuckedSurface surface = suck(truth, scene, progress);
+    RandomNumbers noise(0xab5e11ULL + seed);
+    const PrivateFolder folder;
+    write_sucked_points(
+        surface, scene.body().steps, noise_mm, [&] { return noise_mm * noise.normal(); },
+        folder.path());
+    Row row = row_of(truth, scene, surface);
     double best = -std::numeric_limits<double>::infinity();
     for (const std::string& law : laws())
         for (int terms = 0; terms <= most_terms; ++terms) {
-            const double evidence =
-                log_evidence(scene, start_of(law, terms, scene.peak_kpa, surface->travel_mm()),
-                             folder.path(), progress);
-            row.set(model_name(law, terms), evidence, 1);
-            if (!(evidence > best)) continue;
-            best = evidence;
+            TriedLaw tried;
+            for (std::size_t k = 0; k < begins.size() && !tried.log_evidence; ++k)
+                tried = try_law(
+                    scene, start_of(law, terms, scene.peak_kpa, surface.travel_mm(), begins[k]),
+                    folder.path(), progress);
+            row.set(ending_name(law, terms), tried.ending);
+            if (!tried.log_evidence) continue;
+            row.set(model_name(law, terms), *tried.log_evidence, 1);
+            if (!(*tried.log_evidence > best)) continue;
+            best = *tried.log_evidence;
             row.set("best_law", law);
             row.set("best_terms", terms, 0);
         }
@@ -159,49 +157,90 @@ Row recover_law(unsigned seed, const ProgressSink& progress) {
 }
 
 std::vector<std::string> law_columns() {
-    std::vector<std::string> names{"true_law",  "true_terms", "mu_kpa",    "gamma",
-                                   "travel_mm", "best_law",   "best_terms"};
+    std::vector<std::string> names{"true_law",  "true_terms", "mu_kpa",   "gamma",     "kappa_kpa",
+                                   "peak_mbar", "travel_mm",  "best_law", "best_terms"};
     for (const std::string& law : laws())
-        for (int terms = 0; terms <= most_terms; ++terms) names.push_back(model_name(law, terms));
+        for (int terms = 0; terms <= most_terms; ++terms) {
+            names.push_back(model_name(law, terms));
+            names.push_back(ending_name(law, terms));
+        }
     return names;
 }
 
-/// ln evidence of the best model of a law.
+/// Whether the search of this model ended well; only then is its ln evidence there.
+bool is_usable(const Row& row, const std::string& law, double terms) {
+    return std::isfinite(row.number(model_name(law, int(terms))));
+}
+
+/// ln evidence of the best usable model of a law; minus infinity where there is none.
 double best_of_law(const Row& row, const std::string& law) {
     double best = -std::numeric_limits<double>::infinity();
-    for (int terms = 0; terms <= most_terms; ++terms) {
-        const double evidence = row.number(model_name(law, terms));
-        if (evidence > best) best = evidence;  // not a NaN
-    }
+    for (int terms = 0; terms <= most_terms; ++terms)
+        if (is_usable(row, law, terms)) best = std::max(best, row.number(model_name(law, terms)));
     return best;
 }
 
+/// How often what was right came first, and in how many rows there was something to compare: a law
+/// is beaten only with the right number of terms, a number of terms only in the right law, and only
+/// where its search ended well.
 struct Counts {
     int law = 0, terms = 0, both = 0, rejected = 0, clear = 0, clear_and_right = 0;
+    int of_law = 0, of_terms = 0, of_both = 0, of_rejected = 0;
+    int models = 0, unusable = 0;
 };
 constexpr double clear_lead = 3;  // of ln evidence: 20 to 1
 
-/// ln evidence of the right law's best model over that of the other stiffening law's.
+bool tells_laws(const Row& row) {
+    const double terms = row.number("true_terms");
+    return is_usable(row, exponential_law, terms) && is_usable(row, polynomial_law, terms);
+}
+
+bool tells_terms(const Row& row) {
+    for (int terms = 1; terms <= most_terms; ++terms)
+        if (!is_usable(row, row.text("true_law"), terms)) return false;
+    return true;
+}
+
+/// ln evidence of the right law's best model over that of the other stiffening law's; for rows that
+/// tell laws.
 double lead_of(const Row& row) {
-    const bool is_second = row.text("true_law") == laws()[1];
-    return best_of_law(row, laws()[is_second ? 1 : 2]) -
-           best_of_law(row, laws()[is_second ? 2 : 1]);
+    const double lead = best_of_law(row, exponential_law) - best_of_law(row, polynomial_law);
+    return row.text("true_law") == exponential_law ? lead : -lead;
+}
+
+void count_neo_hookean(const Row& row, Counts& counts) {
+    const double stiffening_law =
+        std::max(best_of_law(row, exponential_law), best_of_law(row, polynomial_law));
+    if (!is_usable(row, soft_law, row.number("true_terms")) || !std::isfinite(stiffening_law))
+        return;
+    ++counts.of_rejected;
+    counts.rejected += best_of_law(row, soft_law) < stiffening_law - clear_lead;
+}
+
+void count_row(const Row& row, Counts& counts) {
+    const bool law = row.text("best_law") == row.text("true_law");
+    const bool terms = row.number("best_terms") == row.number("true_terms");
+    counts.of_law += tells_laws(row);
+    counts.of_terms += tells_terms(row);
+    counts.of_both += tells_laws(row) && tells_terms(row);
+    counts.law += law && tells_laws(row);
+    counts.terms += terms && tells_terms(row);
+    counts.both += law && terms && tells_laws(row) && tells_terms(row);
+    count_neo_hookean(row, counts);
+    if (!tells_laws(row) || std::abs(lead_of(row)) < clear_lead) return;
+    ++counts.clear;
+    counts.clear_and_right += lead_of(row) > 0;
 }
 
 Counts counts_of(const std::vector<Row>& rows) {
     Counts counts;
     for (const Row& row : rows) {
-        const bool law = row.text("best_law") == row.text("true_law");
-        const bool terms = row.number("best_terms") == row.number("true_terms");
-        counts.law += law;
-        counts.terms += terms;
-        counts.both += law && terms;
-        counts.rejected +=
-            best_of_law(row, soft_law) <
-            std::max(best_of_law(row, laws()[1]), best_of_law(row, laws()[2])) - clear_lead;
-        if (std::abs(lead_of(row)) < clear_lead) continue;
-        ++counts.clear;
-        counts.clear_and_right += lead_of(row) > 0;
+        count_row(row, counts);
+        for (const std::string& law : laws())
+            for (int terms = 0; terms <= most_terms; ++terms) {
+                ++counts.models;
+                counts.unusable += !is_usable(row, law, terms);
+            }
     }
     return counts;
 }
@@ -211,6 +250,7 @@ StudyPicture lead_picture(const std::vector<Row>& rows) {
               {-2, 4, false, "decades of odds of the right law"});
     std::vector<double> at, lead, wrong_at, wrong;
     for (const Row& row : rows) {
+        if (!tells_laws(row)) continue;
         // odds as powers of ten, cut where the axis ends
         const double decades = std::clamp(lead_of(row) / std::log(10.0), -1.9, 3.9);
         (decades > 0 ? at : wrong_at).push_back(row.number("gamma"));
@@ -224,42 +264,69 @@ StudyPicture lead_picture(const std::vector<Row>& rows) {
             "ten (beyond 4: drawn there). Near 0 the data do not tell the laws apart."};
 }
 
-StudyReport laws_report(const std::vector<Row>& rows) {
-    const Counts counts = counts_of(rows);
-    const std::size_t n = rows.size();
-    StudyTable table{{"what", "of all"}, {}};
-    const auto add = [&](const std::string& what, int number, std::size_t of) {
+StudyTable counts_table(const Counts& counts) {
+    StudyTable table{{"what", "of those that can be compared"}, {}};
+    const auto add = [&](const std::string& what, int number, int of) {
         table.lines.push_back({what, fmt::format("{} of {}", number, of)});
     };
-    add("right law first", counts.law, n);
-    add("right number of relaxation terms first", counts.terms, n);
-    add("both", counts.both, n);
-    add("neo-Hookean rejected (20 to 1)", counts.rejected, n);
+    add("right law first", counts.law, counts.of_law);
+    add("right number of relaxation terms first", counts.terms, counts.of_terms);
+    add("both", counts.both, counts.of_both);
+    add("neo-Hookean rejected (20 to 1)", counts.rejected, counts.of_rejected);
     add("laws told apart (20 to 1), of these the right one first", counts.clear_and_right,
-        std::size_t(counts.clear));
+        counts.clear);
+    add("models left out, whose search did not end well", counts.unusable, counts.models);
+    return table;
+}
+
+/// A line for each true law: how often it came first.
+StudyTable by_law_table(const std::vector<Row>& rows) {
+    StudyTable table{{"true law", "tissues", "right law first", "right number of terms first"}, {}};
+    for (const char* law : {exponential_law, polynomial_law}) {
+        std::vector<Row> some;
+        for (const Row& row : rows)
+            if (row.text("true_law") == law) some.push_back(row);
+        const Counts counts = counts_of(some);
+        table.lines.push_back({law, fmt::format("{}", some.size()),
+                               fmt::format("{} of {}", counts.law, counts.of_law),
+                               fmt::format("{} of {}", counts.terms, counts.of_terms)});
+    }
+    return table;
+}
+
+StudyReport laws_report(const std::vector<Row>& rows) {
+    const Counts counts = counts_of(rows);
+    const StudyTable table = counts_table(counts), by_law = by_law_table(rows);
     StudyReport report;
     report.headline = fmt::format(
-        "The right law is first in {} of {}, with the right number of "
-        "relaxation terms in {}",
-        counts.law, n, counts.both);
+        "The right law is first in {} of {}, with the right number of relaxation terms in {} of {}",
+        counts.law, counts.of_law, counts.both, counts.of_both);
     report.sentences = {
         std::string(SuckedScene::sentence()) +
-            fmt::format(" Its tissue follows one of two laws that stiffen, with one or two "
+            fmt::format(" Its tissue follows two laws that stiffen in turn, with one or two "
                         "relaxation terms, drawn from the seed; heights have noise of {:g} um. "
                         "Neo-Hookean and both laws are fitted with none to {} terms, and compared "
                         "by their evidence.",
                         1000 * noise_mm, most_terms),
         "The instrument is known, and cells and time steps of the fit are those of the truth: "
-        "films know less."};
-    report.sections = {{"Which law comes first", table.html(), {lead_picture(rows)}}};
-    report.facts = {{"cases", double(n)},
+        "films know less. A model whose search did not end well from two starts beats no other "
+        "and is beaten by none."};
+    report.sections = {
+        {"Which law comes first", table.html() + by_law.html(), {lead_picture(rows)}}};
+    report.facts = {{"cases", double(rows.size())},
+                    {"law_compared", counts.of_law},
                     {"law_right", counts.law},
+                    {"terms_compared", counts.of_terms},
                     {"terms_right", counts.terms},
+                    {"both_compared", counts.of_both},
                     {"both_right", counts.both},
+                    {"neo_hookean_compared", counts.of_rejected},
                     {"neo_hookean_rejected", counts.rejected},
                     {"told_apart", counts.clear},
-                    {"told_apart_and_right", counts.clear_and_right}};
-    report.text = table.plain();
+                    {"told_apart_and_right", counts.clear_and_right},
+                    {"models", counts.models},
+                    {"models_unusable", counts.unusable}};
+    report.text = table.plain() + by_law.plain();
     return report;
 }
 
@@ -269,7 +336,8 @@ Study make_aspiration_laws_study(const StudyOptions& options) {
     Study study{"aspiration-laws",
                 "Which law sucked tissue follows, told by the evidence",
                 {{"first seed", fmt::format("{}", options.first_seed)},
-                 {"noise, mm", fmt::format("{}", noise_mm)}},
+                 {"noise, mm", fmt::format("{}", noise_mm)},
+                 {"laws", "in turn"}},
                 law_columns(),
                 {},
                 laws_report};
