@@ -28,8 +28,9 @@ struct DrawnTissue {
 
 /// The law goes by whether the seed is even. Drawn are mu (0.2 to 5 kPa), gamma (3 to 25) and the
 /// first time (0.5 to 5 s), evenly in the logarithm, one or two relaxation terms, and a travel of 1
-/// to 1.6 mm, which tells the suction; again where it would be more than `aspirate` takes. The
-/// second time is five times the first, at most the film's length.
+/// to 1.6 mm, about, which tells the suction (tissue that had no time to relax comes up by less);
+/// again where it would be more than `aspirate` takes. The second time is five times the first, at
+/// most the film's length.
 DrawnTissue draw_tissue(unsigned seed);
 
 }  // namespace palpate
