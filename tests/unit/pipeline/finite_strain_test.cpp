@@ -57,10 +57,14 @@ struct Block {
         options.response.tolerance_mm = tolerance_mm;
         return make_mechanics(body_mesh(mesh, element), settings, solver(), options, timer);
     }
-    /// [3 num_nodes] mm: the body with the balloon's wall moved outward.
-    Eigen::VectorXd blown_up(double mm, const TissueLaw& law = {"neo-hookean"}) const {
+    SolidModel true_model(const TissueLaw& law = {"neo-hookean"}) const {
         SolidModel model = with_law(rest.recovery.model, law);
         set_stiffness(model, 2, true_kpa);
+        return model;
+    }
+    /// [3 num_nodes] mm: the body with the balloon's wall moved outward.
+    Eigen::VectorXd blown_up(double mm, const TissueLaw& law = {"neo-hookean"}) const {
+        const SolidModel model = true_model(law);
         SolidLoads loads{Eigen::VectorXd::Zero(model.num_dofs()),
                          Eigen::VectorXd::Zero(model.num_dofs())};
         for (const Index node : rest.recovery.driven)
@@ -86,6 +90,11 @@ struct Block {
         return SurfaceObservations(
             rest.recovery, std::move(shapes),
             std::vector<std::uint8_t>(rest.recovery.model.mesh.nodes.size(), 1), options);
+    }
+    static TangentOptions tangent_options() {
+        TangentOptions options;
+        options.solver = solver();
+        return options;
     }
     static FiniteStrainOptions options() {
         FiniteStrainOptions options;
@@ -211,8 +220,7 @@ TEST(TangentResponse, AnswersAsTheCondensedTangentDoes) {
     options.solver = Block::solver();
     const Mechanics rest = block.mechanics(options.tolerance_mm);
     const RecoveryModel& recovery = rest.recovery;
-    SolidModel model = with_law(recovery.model, {"neo-hookean"});
-    set_stiffness(model, 2, true_kpa);
+    const SolidModel model = block.true_model();
     const DeformedBody body{model, recovery.observed, recovery.driven, block.blown_up(4)};
     const Eigen::MatrixXd walls = rest.walls.samples(3, 77).colwise() + point_of(body).driven;
 
@@ -237,11 +245,9 @@ TEST(TangentResponse, AnswersAsTheCondensedTangentDoes) {
 /// Two unknown moduli far from those that were tried together.
 TEST(TangentResponse, AnswersForEachOfSeveralModuliAlone) {
     const Block block;
-    TangentOptions options;
-    options.solver = Block::solver();
+    const TangentOptions options = Block::tangent_options();
     const RecoveryModel& recovery = block.rest.recovery;
-    SolidModel model = with_law(recovery.model, {"neo-hookean"});
-    set_stiffness(model, 2, true_kpa);
+    const SolidModel model = block.true_model();
     const DeformedBody body{model, recovery.observed, recovery.driven, block.blown_up(4)};
     const Eigen::MatrixXd walls = block.rest.walls.samples(3, 77).colwise() + point_of(body).driven;
 
@@ -257,11 +263,9 @@ TEST(TangentResponse, AnswersForEachOfSeveralModuliAlone) {
 /// surrounds it, the sooner it buckles.
 TEST(TangentResponse, StaysNearerWhereTheTangentIsNotStable) {
     const Block block;
-    TangentOptions options;
-    options.solver = Block::solver();
+    const TangentOptions options = Block::tangent_options();
     const RecoveryModel& recovery = block.rest.recovery;
-    SolidModel model = with_law(recovery.model, {"neo-hookean"});
-    set_stiffness(model, 2, true_kpa);
+    const SolidModel model = block.true_model();
     const auto reach_pressed_by = [&](double part) {
         Eigen::VectorXd u(3 * model.mesh.num_nodes());
         for (Index n = 0; n < model.mesh.num_nodes(); ++n) {
