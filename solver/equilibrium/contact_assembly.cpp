@@ -15,19 +15,26 @@
 namespace palpate {
 namespace {
 
-/// By the sizes of an obstacle.
-using SizeDual = Eigen::AutoDiffScalar<Eigen::Vector4d>;
+/// By the four sizes of an obstacle, then its two penalties.
+using ShapeDual = Eigen::AutoDiffScalar<Eigen::Matrix<double, 6, 1>>;
 
-ObstacleSizes<SizeDual> size_variables(const Obstacle& obstacle) {
-    ObstacleSizes<SizeDual> sizes(obstacle);
-    SizeDual* list[] = {&sizes.radius, &sizes.edge_radius, &sizes.outer_radius,
-                        &sizes.outer_edge_radius};
-    for (int k = 0; k < 4; ++k) *list[k] = SizeDual(list[k]->value(), 4, k);
+ObstacleSizes<ShapeDual> size_variables(const Obstacle& obstacle) {
+    ObstacleSizes<ShapeDual> sizes(obstacle);
+    ShapeDual* list[] = {&sizes.radius, &sizes.edge_radius, &sizes.outer_radius,
+                         &sizes.outer_edge_radius};
+    for (int k = 0; k < 4; ++k) *list[k] = ShapeDual(list[k]->value(), 6, k);
     return sizes;
 }
 
-Triple<SizeDual> constants(const Vec3& v) {
-    return {SizeDual(v[0]), SizeDual(v[1]), SizeDual(v[2])};
+ContactPenalties<ShapeDual> penalty_variables(const Contact& contact) {
+    ContactPenalties<ShapeDual> penalties(contact);
+    penalties.stiffness = ShapeDual(penalties.stiffness.value(), 6, 4);
+    penalties.slip_stiffness = ShapeDual(penalties.slip_stiffness.value(), 6, 5);
+    return penalties;
+}
+
+Triple<ShapeDual> constants(const Vec3& v) {
+    return {ShapeDual(v[0]), ShapeDual(v[1]), ShapeDual(v[2])};
 }
 
 /// By y, y_before and friction_before.
@@ -71,9 +78,9 @@ struct ContactAssembly::Slopes {
     Vec3 by_coefficient;  ///< of friction
 };
 
-/// How a point's traction depends on the sizes of its obstacle.
-struct ContactAssembly::SizeSlopes {
-    Eigen::Matrix<double, 3, 4> traction, friction;
+/// How a point's traction depends on the sizes and penalties of its obstacle.
+struct ContactAssembly::ShapeSlopes {
+    Eigen::Matrix<double, 3, 6> traction, friction;
 };
 
 ContactAssembly::ContactAssembly(const SolidModel& model) : model_(model) {
@@ -196,14 +203,14 @@ ContactAssembly::Slopes ContactAssembly::slopes_at(const Point& point,
     return slopes;
 }
 
-ContactAssembly::SizeSlopes ContactAssembly::size_slopes_at(const Point& point,
-                                                            const Eigen::VectorXd& u) const {
+ContactAssembly::ShapeSlopes ContactAssembly::shape_slopes_at(const Point& point,
+                                                              const Eigen::VectorXd& u) const {
     const Contact& contact = model_.contacts[point.contact];
     const Vec3 y = point.place + at_point(point, u) - motion_[point.contact];
-    const auto traction = contact_traction(contact, size_variables(contact.obstacle), constants(y),
-                                           constants(point.place_before),
-                                           constants(point.friction_before), std::nullopt);
-    SizeSlopes slopes;
+    const auto traction = contact_traction(
+        contact, size_variables(contact.obstacle), penalty_variables(contact), constants(y),
+        constants(point.place_before), constants(point.friction_before), std::nullopt);
+    ShapeSlopes slopes;
     for (int i = 0; i < 3; ++i) {
         slopes.friction.row(i) = traction.friction[i].derivatives().transpose();
         slopes.traction.row(i) =
@@ -312,6 +319,15 @@ Eigen::Matrix<double, 9, 1> ContactAssembly::start_change(std::size_t point,
     return by;
 }
 
+/// Of the sizes and penalties of the point's obstacle.
+Eigen::Matrix<double, 6, 1> ContactAssembly::shape_change(const Point& point,
+                                                          const ContactChange& change) {
+    Eigen::Matrix<double, 6, 1> by = Eigen::Matrix<double, 6, 1>::Zero();
+    if (!change.sizes.empty()) by.head<4>() = change.sizes[point.contact];
+    if (!change.penalties.empty()) by.tail<2>() = change.penalties[point.contact];
+    return by;
+}
+
 Eigen::MatrixXd ContactAssembly::force_changes(const Eigen::VectorXd& u,
                                                const std::vector<ContactChange>& changes) const {
     Eigen::MatrixXd sum =
@@ -323,8 +339,8 @@ Eigen::MatrixXd ContactAssembly::force_changes(const Eigen::VectorXd& u,
             Vec3 traction = slopes.traction * start_change(k, changes[c]);
             if (!changes[c].coefficient.empty())
                 traction += changes[c].coefficient[point.contact] * slopes.by_coefficient;
-            if (!changes[c].sizes.empty())
-                traction += size_slopes_at(point, u).traction * changes[c].sizes[point.contact];
+            const Eigen::Matrix<double, 6, 1> shape = shape_change(point, changes[c]);
+            if (!shape.isZero(0)) traction += shape_slopes_at(point, u).traction * shape;
             for (std::size_t a = 0; a < point.face->size(); ++a)
                 // df_a = -A N_a d(p n + t)
                 sum.col(static_cast<Eigen::Index>(c)).segment<3>(3 * (*point.face)[a]) -=
@@ -350,10 +366,11 @@ std::vector<ContactStateChange> ContactAssembly::state_changes(
             Vec3 pressure = Vec3::Zero();
             if (!changes[c].coefficient.empty())
                 more = changes[c].coefficient[point.contact] * slopes.by_coefficient;
-            if (!changes[c].sizes.empty()) {
-                const SizeSlopes by_size = size_slopes_at(point, u);
-                more += by_size.friction * changes[c].sizes[point.contact];
-                pressure = (by_size.traction - by_size.friction) * changes[c].sizes[point.contact];
+            const Eigen::Matrix<double, 6, 1> shape = shape_change(point, changes[c]);
+            if (!shape.isZero(0)) {
+                const ShapeSlopes by_shape = shape_slopes_at(point, u);
+                more += by_shape.friction * shape;
+                pressure = (by_shape.traction - by_shape.friction) * shape;
             }
             // dF = sum A d(p n + t), and dt for the next step
             result[c].force[point.contact] += point.area * (slopes.traction * by + more + pressure);
@@ -393,7 +410,8 @@ ContactGradient ContactAssembly::start_gradient(const Eigen::VectorXd& u,
 std::vector<Eigen::MatrixXd> ContactAssembly::shape_forces(const Eigen::VectorXd& u) const {
     std::vector<Eigen::MatrixXd> forces(model_.contacts.size(), Eigen::MatrixXd::Zero(u.size(), 4));
     for (const Point& point : points_) {
-        const Eigen::Matrix<double, 3, 4> by_size = size_slopes_at(point, u).traction;
+        const Eigen::Matrix<double, 3, 4> by_size =
+            shape_slopes_at(point, u).traction.leftCols<4>();
         for (std::size_t a = 0; a < point.face->size(); ++a)
             // df_a/ds = -A N_a d(p n + t)/ds (method.md, 9.9)
             forces[point.contact].middleRows<3>(3 * (*point.face)[a]) -=

@@ -42,6 +42,8 @@ struct ContactChange {
     std::vector<Vec3> friction_before;    ///< [contact points] kPa
     std::vector<double> coefficient;      ///< [contacts] of friction
     std::vector<Eigen::Vector4d> sizes;   ///< [contacts] mm, in the order of `obstacle_sizes`
+    /// [contacts] kPa/mm: of the pressure per depth, and of friction per slip.
+    std::vector<Eigen::Vector2d> penalties;
 };
 
 /// How a ContactState changes.
@@ -105,10 +107,12 @@ public:
 private:
     struct Point;
     struct Slopes;
-    struct SizeSlopes;
+    struct ShapeSlopes;
     Vec3 at_point(const Point& point, const Eigen::Ref<const Eigen::VectorXd>& u) const;
     Eigen::Matrix<double, 9, 1> start_change(std::size_t point, const ContactChange& change) const;
-    SizeSlopes size_slopes_at(const Point& point, const Eigen::VectorXd& u) const;
+    static Eigen::Matrix<double, 6, 1> shape_change(const Point& point,
+                                                    const ContactChange& change);
+    ShapeSlopes shape_slopes_at(const Point& point, const Eigen::VectorXd& u) const;
     Slopes slopes_at(const Point& point, const Eigen::VectorXd& u) const;
     void add_stiffness(const Point& point, const Mat3& stiffness, BlockMatrix& matrix) const;
 

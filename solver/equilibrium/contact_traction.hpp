@@ -13,6 +13,16 @@
 // carries its derivatives.
 namespace palpate {
 
+/// Penalties of an obstacle: pressure per depth and friction per slip, kPa/mm.
+template <class Number>
+struct ContactPenalties {
+    Number stiffness, slip_stiffness;
+
+    explicit ContactPenalties(const Contact& contact)
+        : stiffness(contact.stiffness_kpa_per_mm),
+          slip_stiffness(contact.slip_stiffness_kpa_per_mm) {}
+};
+
 /// On the body, per undeformed area, kPa.
 template <class Number>
 struct ContactTraction {
@@ -27,11 +37,12 @@ struct ContactTraction {
 /// plane across the obstacle's normal there,
 ///   z = t0 - k_t s,   t = z min(1, limit / |z|),   limit = friction p.
 ///   y, y_before    now and when the step began, in the obstacle's frame, mm
-///   sizes          of the obstacle, where they are variables
+///   sizes          of the obstacle, and its penalties, where they are variables
 ///   held_limit     takes the place of friction p: then both parts together are a gradient, and
 ///                  their derivative by y is symmetric
 template <class Number>
 ContactTraction<Number> contact_traction(const Contact& contact, const ObstacleSizes<Number>& sizes,
+                                         const ContactPenalties<Number>& penalties,
                                          const Triple<Number>& y, const Triple<Number>& y_before,
                                          const Triple<Number>& friction_before,
                                          std::optional<double> held_limit) {
@@ -41,7 +52,7 @@ ContactTraction<Number> contact_traction(const Contact& contact, const ObstacleS
     result.friction.fill(Number(0.0));
     const ObstacleDepth<Number> now = depth_in(contact.obstacle, sizes, y);
     Number pressure(0.0);
-    if (now.depth > 0) pressure = contact.stiffness_kpa_per_mm * now.depth;
+    if (now.depth > 0) pressure = penalties.stiffness * now.depth;
     for (int i = 0; i < 3; ++i) result.pressure[i] = pressure * now.normal[i];
     result.limit = contact.friction * pressure;
     if (held_limit) result.limit = Number(*held_limit);
@@ -49,7 +60,7 @@ ContactTraction<Number> contact_traction(const Contact& contact, const ObstacleS
     const Triple<Number> normal = depth_in(contact.obstacle, sizes, y_before).normal;
     Triple<Number> z;
     for (int i = 0; i < 3; ++i)
-        z[i] = friction_before[i] - contact.slip_stiffness_kpa_per_mm * (y[i] - y_before[i]);
+        z[i] = friction_before[i] - penalties.slip_stiffness * (y[i] - y_before[i]);
     const Number across = dot_of(z, normal);
     for (int i = 0; i < 3; ++i) z[i] -= across * normal[i];
     const Number square = dot_of(z, z);
@@ -67,8 +78,9 @@ ContactTraction<Number> contact_traction(const Contact& contact, const Triple<Nu
                                          const Triple<Number>& y_before,
                                          const Triple<Number>& friction_before,
                                          std::optional<double> held_limit) {
-    return contact_traction(contact, ObstacleSizes<Number>(contact.obstacle), y, y_before,
-                            friction_before, held_limit);
+    return contact_traction(contact, ObstacleSizes<Number>(contact.obstacle),
+                            ContactPenalties<Number>(contact), y, y_before, friction_before,
+                            held_limit);
 }
 
 /// What `contact_traction` with a held limit is minus the derivative of, by y; kPa mm.

@@ -83,6 +83,7 @@ HistoryColumns::ContactChanges HistoryColumns::contact_changes() const {
         change.friction_before = friction_before_[c];
         change.coefficient = directions_[c].friction;
         change.sizes = directions_[c].sizes;
+        change.penalties = directions_[c].penalties;
         changes.push_back(std::move(change));
     }
     return changes;

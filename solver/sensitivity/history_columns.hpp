@@ -25,8 +25,8 @@ struct ColumnsAtTime {
 /// Michaleris, Tortorelli and Vidal 1994, section 3.1). One solve a time and column with the last
 /// factor of the step, side by side. For few parameters and many observations; for one scalar and
 /// many parameters there is `history_gradient`.
-/// Friction's derivatives are those of the side on which each contact point is, slipping or not;
-/// penalties of obstacles stay.
+/// Friction's derivatives are those of the side on which each contact point is, slipping or not.
+/// Penalties of obstacles stay, but where a direction says how they follow.
 class HistoryColumns {
 public:
     /// At rest, before the first time.

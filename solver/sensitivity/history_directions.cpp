@@ -162,6 +162,7 @@ void check_direction(const HistoryDirection& direction, const SolidModel& model,
     expect("materials", direction.relaxation.size(), materials);
     expect("obstacles", direction.friction.size(), model.contacts.size());
     expect("obstacles", direction.sizes.size(), model.contacts.size());
+    expect("obstacles", direction.penalties.size(), model.contacts.size());
     expect("loads", direction.loads.size(), num_times);
     expect("times", direction.time_s.size(), num_times);
     for (std::size_t m = 0; m < direction.parameters.size(); ++m)

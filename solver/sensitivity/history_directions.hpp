@@ -17,6 +17,7 @@ struct HistoryDirection {
     std::vector<std::vector<RelaxationTerm>> relaxation;  ///< [materials][terms]
     std::vector<double> friction;                         ///< [contacts] of the coefficients
     std::vector<Eigen::Vector4d> sizes;                   ///< [contacts] mm, of `obstacle_sizes`
+    std::vector<Eigen::Vector2d> penalties;               ///< [contacts] kPa/mm, as ContactChange
     std::vector<SolidLoads> loads;                        ///< [times] as in `LoadTime`
     std::vector<double> time_s;                           ///< [times] of the times themselves
 };

@@ -168,6 +168,19 @@ void add_load_parameters(const LoadHistory& history, std::vector<Parameter>& lis
                         for (LoadTime& at : h.times) at.time_s += by;
                     },
                     step});
+    HistoryDirection stiffer;
+    stiffer.name = "penalty of obstacle 0";
+    stiffer.penalties = {Eigen::Vector2d(1, 0)};
+    list.push_back(
+        {stiffer, [](LoadHistory& h, double by) { h.model.contacts[0].stiffness_kpa_per_mm += by; },
+         step * history.model.contacts[0].stiffness_kpa_per_mm});
+    HistoryDirection less_slip;
+    less_slip.name = "penalty on slip at obstacle 0";
+    less_slip.penalties = {Eigen::Vector2d(0, 1)};
+    list.push_back(
+        {less_slip,
+         [](LoadHistory& h, double by) { h.model.contacts[0].slip_stiffness_kpa_per_mm += by; },
+         step * history.model.contacts[0].slip_stiffness_kpa_per_mm});
     list.push_back({along_size(history.model, 0, 0),
                     [](LoadHistory& h, double by) { h.model.contacts[0].obstacle.radius_mm += by; },
                     step});
