@@ -110,12 +110,18 @@ void ExperimentProblem::simulate_with_columns(const ExperimentSetup& setup,
     }
     wish.directions = [&](const PreparedSimulation& prepared, const std::vector<LoadTime>&) {
         std::vector<HistoryDirection> list;
-        for (std::size_t k = 0; k < parameters().size(); ++k)
-            if (auto direction =
-                    direction_of(experiment_.paths()[k], prepared, *setup.simulation)) {
-                made.column_of[k] = static_cast<int>(list.size());
-                list.push_back(std::move(*direction));
-            }
+        for (std::size_t k = 0; k < parameters().size(); ++k) {
+            const auto moved = [&](double by) {
+                Eigen::VectorXd values = made.values;
+                values[Eigen::Index(k)] += by;
+                return *experiment_.at(values).simulation;
+            };
+            auto direction =
+                direction_of(experiment_.paths()[k], prepared, *setup.simulation, moved);
+            if (!direction) continue;
+            made.column_of[k] = static_cast<int>(list.size());
+            list.push_back(std::move(*direction));
+        }
         return list;
     };
     made.simulation = simulate(setup, std::move(wish));

@@ -23,9 +23,9 @@ struct ExperimentPrediction : Prediction {
 /// An experiment as an inverse problem: a prediction is a simulation. What is read off it has
 /// columns
 ///   dy/dp = dy/du du/dp,   du/dp from HistoryColumns at the cost of a solve each,
-/// for parameters of laws, relaxation, friction and sizes of obstacles (direction_of); what only
-/// changes how a body is read costs no simulation; for all others two whole simulations, side by
-/// side, are compared on the scale on which the parameter is searched,
+/// for parameters of laws, relaxation, friction, sizes of obstacles and of loads (direction_of);
+/// what only changes how a body is read costs no simulation; for all others two whole simulations,
+/// side by side, are compared on the scale on which the parameter is searched,
 ///   d y/d t ~ (y(t + h) - y(t - h)) / 2h.
 /// A simulation with other values begins at all times from u_n + (du_n/dp) dp of an earlier one.
 class ExperimentProblem : public DataProblem {

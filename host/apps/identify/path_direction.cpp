@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/identify/path_direction.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <regex>
 
+#include "host/apps/simulate/prepare_obstacles.hpp"
+#include "host/apps/simulate/selection.hpp"
 #include "solver/materials/registry.hpp"
 
 namespace palpate {
@@ -28,28 +32,97 @@ std::optional<std::size_t> parameter_named(const SolidMaterial& material, const 
     return std::nullopt;
 }
 
+/// Penalties of obstacles for which the file gives none, with these materials: [contacts].
+std::vector<Eigen::Vector2d> penalties_of(const PreparedSimulation& prepared,
+                                          const SimulationSettings& settings,
+                                          const std::vector<SolidMaterial>& materials) {
+    const SelectableMesh in{prepared.model.mesh, prepared.point_scalars};
+    std::vector<Eigen::Vector2d> penalties;
+    for (const ObstacleSettings& obstacle : settings.obstacles) {
+        if (obstacle.stiffness_kpa_per_mm && obstacle.slip_stiffness_kpa_per_mm) {
+            penalties.emplace_back(Eigen::Vector2d::Zero());
+            continue;
+        }
+        const Contact contact = contact_of(obstacle, in, materials);
+        penalties.emplace_back(contact.stiffness_kpa_per_mm, contact.slip_stiffness_kpa_per_mm);
+    }
+    return penalties;
+}
+
+/// A number of a material: penalties that follow the stiffest tissue follow it too,
+///   dk/dp ~ (k(p + h) - k(p - h)) / 2h.
+HistoryDirection with_penalties(HistoryDirection direction, const PreparedSimulation& prepared,
+                                const SimulationSettings& settings, double value,
+                                const std::function<double&(std::vector<SolidMaterial>&)>& number) {
+    if (settings.obstacles.empty()) return direction;
+    const double h = 1e-5 * std::max(std::abs(value), 1e-3);
+    std::vector<SolidMaterial> materials;
+    for (const MaterialSettings& one : settings.materials) materials.push_back(one.material);
+    const auto at = [&](double moved) {
+        number(materials) = moved;
+        return penalties_of(prepared, settings, materials);
+    };
+    const auto more = at(value + h), less = at(value - h);
+    for (std::size_t c = 0; c < more.size(); ++c)
+        direction.penalties.emplace_back((more[c] - less[c]) / (2 * h));
+    return direction;
+}
+
+/// a - b, of loads of one model.
+SolidLoads difference(SolidLoads a, const SolidLoads& b) {
+    a.displacement -= b.displacement;
+    a.force -= b.force;
+    for (std::size_t k = 0; k < a.obstacle_motion.size(); ++k)
+        a.obstacle_motion[k] -= b.obstacle_motion[k];
+    for (std::size_t k = 0; k < a.pressure_kpa.size(); ++k) a.pressure_kpa[k] -= b.pressure_kpa[k];
+    return a;
+}
+
+/// All loads are linear in the size of each: dL/dp = L(p + 1) - L(p) at every time.
+HistoryDirection along_load(const std::string& path, const PreparedSimulation& prepared,
+                            const SimulationSettings& settings, const SimulationSettings& larger) {
+    const PreparedSimulation other = prepare_simulation(larger);
+    HistoryDirection direction;
+    direction.name = path;
+    for (std::size_t step = 0; step < prepared.time_s.size(); ++step)
+        direction.loads.push_back(
+            difference(other.loads_at(larger, step), prepared.loads_at(settings, step)));
+    return direction;
+}
+
 }  // namespace
 
-std::optional<HistoryDirection> direction_of(const std::string& path,
-                                             const PreparedSimulation& prepared,
-                                             const SimulationSettings& settings) {
+std::optional<HistoryDirection> direction_of(
+    const std::string& path, const PreparedSimulation& prepared, const SimulationSettings& settings,
+    const std::function<SimulationSettings(double by)>& moved) {
     static const std::regex of_relaxation(
         R"(material\[(\d+)\]\.relaxation\[(\d+)\]\.(amplitude|time_s))");
     static const std::regex of_material(R"(material\[(\d+)\]\.(\w+))");
     static const std::regex of_friction(R"(obstacle\[(\d+)\]\.friction)");
     static const std::regex of_size(R"(obstacle\[(\d+)\]\.(\w+_mm))");
+    static const std::regex of_load(
+        R"((move|force|pressure|traction)\[\d+\]\..*|obstacle\[\d+\]\.motion_mm.*)");
     const SolidModel& model = prepared.model;
     std::smatch found;
     if (std::regex_match(path, found, of_relaxation)) {
         const std::size_t material = index_of(found[1]), term = index_of(found[2]);
         if (model.materials[material].relaxation.empty()) return std::nullopt;  // a static load
-        return found[3] == "time_s" ? along_relaxation_time(model, material, term)
-                                    : along_amplitude(model, material, term);
+        if (found[3] == "time_s") return along_relaxation_time(model, material, term);
+        return with_penalties(along_amplitude(model, material, term), prepared, settings,
+                              model.materials[material].relaxation[term].amplitude,
+                              [&](std::vector<SolidMaterial>& of) -> double& {
+                                  return of[material].relaxation[term].amplitude;
+                              });
     }
     if (std::regex_match(path, found, of_material)) {
         const std::size_t material = index_of(found[1]);
         const auto parameter = parameter_named(model.materials[material], found[2]);
-        if (parameter) return along_parameter(model, material, *parameter);
+        if (parameter)
+            return with_penalties(along_parameter(model, material, *parameter), prepared, settings,
+                                  model.materials[material].parameters[*parameter],
+                                  [&](std::vector<SolidMaterial>& of) -> double& {
+                                      return of[material].parameters[*parameter];
+                                  });
     }
     if (std::regex_match(path, found, of_friction)) {
         const std::size_t contact = index_of(found[1]);
@@ -67,6 +140,7 @@ std::optional<HistoryDirection> direction_of(const std::string& path,
         if (is_both) direction.sizes[contact][3] = 1;
         return direction;
     }
+    if (std::regex_match(path, of_load)) return along_load(path, prepared, settings, moved(1));
     return std::nullopt;
 }
 

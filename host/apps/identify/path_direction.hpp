@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,10 +13,11 @@
 namespace palpate {
 
 /// The direction along an open number of a model file: parameters of laws, amplitudes and times of
-/// relaxation, friction above 0, sizes of obstacles. Empty for all others, along which whole
-/// simulations are compared.
-std::optional<HistoryDirection> direction_of(const std::string& path,
-                                             const PreparedSimulation& prepared,
-                                             const SimulationSettings& settings);
+/// relaxation, friction above 0, sizes of obstacles, sizes of loads. Empty for all others, along
+/// which whole simulations are compared.
+///   moved   the settings with the number larger by so much; asked for loads alone
+std::optional<HistoryDirection> direction_of(
+    const std::string& path, const PreparedSimulation& prepared, const SimulationSettings& settings,
+    const std::function<SimulationSettings(double by)>& moved);
 
 }  // namespace palpate

@@ -260,6 +260,48 @@ TEST_F(ExperimentTest, ColumnsOfAnInstrumentAreThoseOfWholeSimulations) {
               1e-6 * block.predicted.norm());
 }
 
+TEST_F(ExperimentTest, ColumnsOfLoadsComeWithOneSimulation) {
+    write("points.csv", "time_s,x_mm,y_mm,ux_mm,uy_mm\n1,3,2,0,0\n2,8,3,0,0\n2,5,1,0,0\n");
+    const Experiment found = experiment(
+        "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [10, 4], divisions = [8, "
+        "4]}\n[[material]]\nlaw = \"neo-hookean\"\nstiffness_kpa = \"unknown\"\npoisson_ratio = "
+        "0.3\n[[fix]]\nwhere = {side = \"x-min\"}\n"
+        "[[move]]\nwhere = {side = \"x-max\"}\nx_mm = {value = 0.6, sd = 0.1}\ny_mm = 0\n"
+        "column = \"pull\"\n"
+        "[[pressure]]\nkpa = {value = 1.5, sd = 0.3}\nfollows = true\ncolumn = \"push\"\n"
+        "where = {side = \"y-max\"}\n"
+        "[[traction]]\nkpa = [{value = 0.4, sd = 0.1}, 0.2]\nwhere = {side = \"y-min\"}\n"
+        "column = \"push\"\n"
+        "[[force]]\ntotal_mn = [0, {value = 8, sd = 1}]\nwhere = {side = \"y-max\"}\n"
+        "column = \"push\"\n"
+        "[[obstacle]]\nshape = \"plane\"\nplace_mm = [0, 4.1, 0]\ndirection = [0, -1, 0]\n"
+        "motion_mm = [0, {value = -0.3, sd = 0.1}, 0]\ncolumn = \"push\"\n"
+        "where = {side = \"y-max\"}\n"
+        "[history]\ntime_s = [1, 2]\npull = [0.5, 1]\npush = [1, 0.7]\n"
+        "[newton]\nrelative_tolerance = 1e-12\n"
+        "[[data]]\nkind = \"points\"\nfile = \"points.csv\"\nsd_mm = 0.1\n");
+    ASSERT_EQ(found.parameters().size(), 6u);
+    const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
+    const Eigen::VectorXd values = starts_of(found.parameters());
+    const auto centre = problem.predict(values, PredictedColumns::wanted, nullptr).prediction;
+    EXPECT_EQ(problem.num_simulation(), 1);
+
+    for (Eigen::Index k = 0; k < values.size(); ++k) {
+        const auto at = [&](double by) {
+            Eigen::VectorXd moved = values;
+            moved[k] += by;
+            return problem.predict(moved, PredictedColumns::none, nullptr)
+                .prediction->blocks[0]
+                .predicted;
+        };
+        const double h = 1e-4 * std::abs(values[k]);
+        const Eigen::VectorXd slope = (at(h) - at(-h)) / (2 * h);
+        EXPECT_GT(slope.norm(), 1e-6) << found.paths()[k];
+        EXPECT_LT((centre->blocks[0].columns.col(k) - slope).norm(), 1e-5 * slope.norm())
+            << found.paths()[k];
+    }
+}
+
 TEST_F(ExperimentTest, ASimulationThatBeginsFromAnotherOneSaysTheSame) {
     write("z.csv", "time_s,r_mm,z_mm\n1.3,0,1\n2.4,2,1\n3.5,4,1\n");
     const Experiment found = experiment(suction());
