@@ -15,7 +15,7 @@ import pytest
 
 distributed = pytest.importorskip("distributed", reason="Dask is not installed (pip install palpate[dask])")
 
-from palpate.cohort.dask_engine import Engine, Task, asking_the_scheduler, slots_of_first_workers  # noqa: E402
+from palpate.cohort.dask_engine import Engine, Task, asking_the_scheduler, run_shard, slots_of_first_workers  # noqa: E402
 from palpate.cohort.errors import DEVICE_FAILED, STOPPED, CohortError  # noqa: E402
 from tests.cli.test_cohort import assert_each_case_is_done_once, children_of, plan, rows_of, run, status, wait_until  # noqa: E402
 from tests.cli.test_cohort_machines import broken  # noqa: E402
@@ -68,6 +68,7 @@ IMPATIENT = """
 import sys
 from palpate.cohort import __main__, dask_engine
 dask_engine.SECONDS_FOR_OTHER_WORKERS = 3
+dask_engine.SECONDS_FOR_AN_ANSWER = 5
 sys.exit(__main__.main())
 """
 
@@ -120,6 +121,16 @@ def test_without_its_scheduler_the_engine_ends_and_goes_on_with_another(cluster,
     code, out, errors = end_of(engine(cohort, "--jobs", 2))
     assert code == 0 and "36 done" in out, errors
     assert_each_case_is_done_once(cohort, 36)
+
+
+def test_a_scheduler_that_does_not_answer_ends_the_engine(cluster, tmp_path):
+    cohort = plan(tmp_path, patients=12, cases=3, seconds=0.2)
+    process = engine(cohort, "--scheduler-file", cluster.file, start=("-c", IMPATIENT))
+    wait_until(lambda: status(cohort)[1]["cases"]["done"] > 3, 120)
+    cluster.scheduler.send_signal(signal.SIGSTOP)
+    begin = time.monotonic()
+    code, _, errors = end_of(process)
+    assert code == 9 and "has not answered for 5 s" in errors and time.monotonic() - begin < 120, errors
 
 
 def test_a_signal_stops_the_engine_and_what_it_started(cluster, tmp_path):
@@ -402,6 +413,12 @@ def test_broken_workers_that_come_and_go_have_an_end(quick, monkeypatch):
 def test_many_broken_workers_are_no_end_while_another_is_at_its_first_case(quick):
     hosts = [f"tcp://host{k}:1" for k in range(15)]
     assert ran(Client(*[(B1, *hosts[:k]) for k in range(15)], broken=hosts, slow=(B1,)), 100).workers.broken >= set(hosts[:10])
+
+
+def test_a_worker_without_the_program_is_a_broken_one(monkeypatch, tmp_path):
+    monkeypatch.setattr("distributed.get_worker", lambda: types.SimpleNamespace(address=A1))
+    code, errors, worker = run_shard(str(tmp_path / "palpate"), "cohort", 1, 2, "id")
+    assert (code, worker) == (DEVICE_FAILED, A1) and f"{tmp_path}/palpate is not found there" in errors
 
 
 def test_work_is_taken_back_from_workers_that_have_gone_only():

@@ -29,6 +29,7 @@ SHARDS_PER_SLOT, WINDOW_PER_SLOT = 8, 2
 MOST_TRIES_WITHOUT_PROGRESS = 5
 SECONDS_BETWEEN_LOOKS = 1.0
 SECONDS_FOR_A_RESULT, SECONDS_TO_STOP = 15.0, 10.0
+SECONDS_FOR_AN_ANSWER = 300.0  # of the scheduler: a machine that sleeps for a while is no end
 SECONDS_FOR_OTHER_WORKERS = 60.0  # to come, where all that are there are broken
 BROKEN_WORKERS_OF_A_BROKEN_HOST = 2
 
@@ -58,12 +59,14 @@ def run_shard(program: str, cohort: str, number: int, count: int, engine: str) -
 
     from distributed import get_worker
 
+    worker = get_worker()
+    if shutil.which(program) is None:
+        return 8, f"{program} is not found there, or may not be started", worker.address
     command = [program, "cohort", "run", cohort, "--shard", f"{number}/{count}", "--progress", "none", "--keep-going"]
     # It may not outlive the thread that started it, and its children not it: else a killed worker's cases go on unseen.
     if shutil.which("setpriv"):
         command = ["setpriv", "--pdeathsig", "TERM", *command]
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    worker = get_worker()
     worker.__dict__.setdefault("palpate_processes", {})[process] = engine
     try:
         errors = process.communicate()[1]
@@ -96,6 +99,27 @@ def asking_the_scheduler(client):
         if client.status == "running" and not isinstance(error, (OSError, distributed.CancelledError, distributed.TimeoutError, closed)):
             raise
         raise scheduler_is_gone(error) from error
+
+
+def answer_in_time(ask, seconds: float):
+    """What `ask` returns or raises. Raises CohortError where it does neither in time: Dask itself has no limit for a scheduler that is
+    there and does not answer."""
+    found: dict = {}
+
+    def call():
+        try:
+            found["answer"] = ask()
+        except BaseException as error:
+            found["error"] = error
+
+    asking = threading.Thread(target=call, daemon=True)
+    asking.start()
+    asking.join(seconds)
+    if asking.is_alive():
+        raise CohortError(f"the scheduler has not answered for {seconds:.0f} s; what is done stays: see to it, and start this command again", STOPPED)
+    if "error" in found:
+        raise found["error"]
+    return found["answer"]
 
 
 def host_of(worker: str) -> str:
@@ -159,7 +183,7 @@ class Engine:
     def look_at_workers(self) -> None:
         """Where there is none to work it is said, once; waiting for one ends only where broken ones are there. Raises CohortError."""
         with asking_the_scheduler(self.client):
-            self.workers.there = self.client.nthreads()
+            self.workers.there = answer_in_time(self.client.nthreads, SECONDS_FOR_AN_ANSWER)
         who = "good" if self.workers.good() else "broken" if self.workers.there else "none"
         if who != self.who:
             self.who, self.since = who, time.monotonic()
