@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <unsupported/Eigen/AutoDiff>
 
@@ -335,12 +336,16 @@ Eigen::MatrixXd ContactAssembly::force_changes(const Eigen::VectorXd& u,
     for (std::size_t k = 0; k < points_.size(); ++k) {
         const Point& point = points_[k];
         const Slopes slopes = slopes_at(point, u);
+        std::optional<ShapeSlopes> by_shape;  // of the point, whichever the change
         for (std::size_t c = 0; c < changes.size(); ++c) {
             Vec3 traction = slopes.traction * start_change(k, changes[c]);
             if (!changes[c].coefficient.empty())
                 traction += changes[c].coefficient[point.contact] * slopes.by_coefficient;
             const Eigen::Matrix<double, 6, 1> shape = shape_change(point, changes[c]);
-            if (!shape.isZero(0)) traction += shape_slopes_at(point, u).traction * shape;
+            if (!shape.isZero(0)) {
+                if (!by_shape) by_shape = shape_slopes_at(point, u);
+                traction += by_shape->traction * shape;
+            }
             for (std::size_t a = 0; a < point.face->size(); ++a)
                 // df_a = -A N_a d(p n + t)
                 sum.col(static_cast<Eigen::Index>(c)).segment<3>(3 * (*point.face)[a]) -=
@@ -359,6 +364,7 @@ std::vector<ContactStateChange> ContactAssembly::state_changes(
     for (std::size_t k = 0; k < points_.size(); ++k) {
         const Point& point = points_[k];
         const Slopes slopes = slopes_at(point, u);
+        std::optional<ShapeSlopes> by_shape;
         for (std::size_t c = 0; c < changes.size(); ++c) {
             Eigen::Matrix<double, 9, 1> by = start_change(k, changes[c]);
             by.head<3>() += at_point(point, du.col(static_cast<Eigen::Index>(c)));
@@ -368,9 +374,9 @@ std::vector<ContactStateChange> ContactAssembly::state_changes(
                 more = changes[c].coefficient[point.contact] * slopes.by_coefficient;
             const Eigen::Matrix<double, 6, 1> shape = shape_change(point, changes[c]);
             if (!shape.isZero(0)) {
-                const ShapeSlopes by_shape = shape_slopes_at(point, u);
-                more += by_shape.friction * shape;
-                pressure = (by_shape.traction - by_shape.friction) * shape;
+                if (!by_shape) by_shape = shape_slopes_at(point, u);
+                more += by_shape->friction * shape;
+                pressure = (by_shape->traction - by_shape->friction) * shape;
             }
             // dF = sum A d(p n + t), and dt for the next step
             result[c].force[point.contact] += point.area * (slopes.traction * by + more + pressure);
