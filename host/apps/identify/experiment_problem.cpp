@@ -108,16 +108,19 @@ void ExperimentProblem::simulate_with_columns(const ExperimentSetup& setup,
         made.simulation = simulate(setup, {});
         return;
     }
+    SimulationSettings settings = *setup.simulation;
+    configure_(settings);
     wish.directions = [&](const PreparedSimulation& prepared, const std::vector<LoadTime>&) {
         std::vector<HistoryDirection> list;
         for (std::size_t k = 0; k < parameters().size(); ++k) {
             const auto moved = [&](double by) {
                 Eigen::VectorXd values = made.values;
                 values[Eigen::Index(k)] += by;
-                return *experiment_.at(values).simulation;
+                SimulationSettings other = *experiment_.at(values).simulation;
+                configure_(other);
+                return other;
             };
-            auto direction =
-                direction_of(experiment_.paths()[k], prepared, *setup.simulation, moved);
+            auto direction = direction_of(experiment_.paths()[k], prepared, settings, moved);
             if (!direction) continue;
             made.column_of[k] = static_cast<int>(list.size());
             list.push_back(std::move(*direction));

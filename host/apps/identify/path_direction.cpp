@@ -39,7 +39,7 @@ std::vector<Eigen::Vector2d> penalties_of(const PreparedSimulation& prepared,
     const SelectableMesh in{prepared.model.mesh, prepared.point_scalars};
     std::vector<Eigen::Vector2d> penalties;
     for (const ObstacleSettings& obstacle : settings.obstacles) {
-        if (obstacle.stiffness_kpa_per_mm && obstacle.slip_stiffness_kpa_per_mm) {
+        if (obstacle.stiffness_kpa_per_mm) {  // that on slip is given or the same
             penalties.emplace_back(Eigen::Vector2d::Zero());
             continue;
         }
@@ -50,21 +50,25 @@ std::vector<Eigen::Vector2d> penalties_of(const PreparedSimulation& prepared,
 }
 
 /// A number of a material: penalties that follow the stiffest tissue follow it too,
-///   dk/dp ~ (k(p + h) - k(p - h)) / 2h.
+///   dk/dp ~ (k(p + h) - k(p - h)) / 2h,   with one side where the law does not allow the other.
 HistoryDirection with_penalties(HistoryDirection direction, const PreparedSimulation& prepared,
                                 const SimulationSettings& settings, double value,
+                                const ParameterRange& range,
                                 const std::function<double&(std::vector<SolidMaterial>&)>& number) {
     if (settings.obstacles.empty()) return direction;
     const double h = 1e-5 * std::max(std::abs(value), 1e-3);
+    const double above = range.contains(value + h) ? h : 0;
+    const double below = range.contains(value - h) ? h : 0;
+    if (above + below == 0) return direction;
     std::vector<SolidMaterial> materials;
     for (const MaterialSettings& one : settings.materials) materials.push_back(one.material);
     const auto at = [&](double moved) {
         number(materials) = moved;
         return penalties_of(prepared, settings, materials);
     };
-    const auto more = at(value + h), less = at(value - h);
+    const auto more = at(value + above), less = at(value - below);
     for (std::size_t c = 0; c < more.size(); ++c)
-        direction.penalties.emplace_back((more[c] - less[c]) / (2 * h));
+        direction.penalties.emplace_back((more[c] - less[c]) / (above + below));
     return direction;
 }
 
@@ -101,7 +105,8 @@ std::optional<HistoryDirection> direction_of(
     static const std::regex of_friction(R"(obstacle\[(\d+)\]\.friction)");
     static const std::regex of_size(R"(obstacle\[(\d+)\]\.(\w+_mm))");
     static const std::regex of_load(
-        R"((move|force|pressure|traction)\[\d+\]\..*|obstacle\[\d+\]\.motion_mm.*)");
+        R"(move\[\d+\]\.[xyz]_mm|force\[\d+\]\.(total|nodal)_mn\[\d+\]|pressure\[\d+\]\.kpa|)"
+        R"(traction\[\d+\]\.kpa\[\d+\]|obstacle\[\d+\]\.motion_mm\[\d+\])");
     const SolidModel& model = prepared.model;
     std::smatch found;
     if (std::regex_match(path, found, of_relaxation)) {
@@ -109,7 +114,7 @@ std::optional<HistoryDirection> direction_of(
         if (model.materials[material].relaxation.empty()) return std::nullopt;  // a static load
         if (found[3] == "time_s") return along_relaxation_time(model, material, term);
         return with_penalties(along_amplitude(model, material, term), prepared, settings,
-                              model.materials[material].relaxation[term].amplitude,
+                              model.materials[material].relaxation[term].amplitude, {},
                               [&](std::vector<SolidMaterial>& of) -> double& {
                                   return of[material].relaxation[term].amplitude;
                               });
@@ -118,11 +123,13 @@ std::optional<HistoryDirection> direction_of(
         const std::size_t material = index_of(found[1]);
         const auto parameter = parameter_named(model.materials[material], found[2]);
         if (parameter)
-            return with_penalties(along_parameter(model, material, *parameter), prepared, settings,
-                                  model.materials[material].parameters[*parameter],
-                                  [&](std::vector<SolidMaterial>& of) -> double& {
-                                      return of[material].parameters[*parameter];
-                                  });
+            return with_penalties(
+                along_parameter(model, material, *parameter), prepared, settings,
+                model.materials[material].parameters[*parameter],
+                material_law(model.materials[material].law).parameters[*parameter].range,
+                [&](std::vector<SolidMaterial>& of) -> double& {
+                    return of[material].parameters[*parameter];
+                });
     }
     if (std::regex_match(path, found, of_friction)) {
         const std::size_t contact = index_of(found[1]);

@@ -302,6 +302,51 @@ TEST_F(ExperimentTest, ColumnsOfLoadsComeWithOneSimulation) {
     }
 }
 
+/// A block pressed by a plate whose penalty follows the block, at two of its points.
+std::string pressed(const std::string& law, const std::string& top) {
+    return "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [10, 4], divisions = "
+           "[8, "
+           "4]}\n[[material]]\n" +
+           law + "\n[[fix]]\nwhere = {side = \"y-min\"}\n[[obstacle]]\nshape = \"plane\"\n" +
+           "place_mm = [0, 4, 0]\ndirection = [0, -1, 0]\nmotion_mm = [0, -0.3, 0]\nwhere = " +
+           top +
+           "\n[newton]\nrelative_tolerance = 1e-12\n[[data]]\nkind = \"points\"\nfile = "
+           "\"points.csv\"\nsd_mm = 0.1\n";
+}
+
+TEST_F(ExperimentTest, ColumnsAtTheEndOfWhatALawAllowsAreOneSided) {
+    write("points.csv", "x_mm,y_mm,ux_mm,uy_mm\n3,2,0,0\n8,3,0,0\n");
+    const Experiment found =
+        experiment(pressed("law = \"yeoh\"\nc1_kpa = {unknown = true, start = 2}\nc2_kpa = {value "
+                           "= 0, sd = 0.5}\nc3_kpa = 0\nkappa_kpa "
+                           "= 20",
+                           "{side = \"y-max\"}"));
+    const ExperimentProblem problem(found, [](SimulationSettings&) {}, 1, {});
+    const auto made =
+        problem.predict(Eigen::Vector2d(2, 0), PredictedColumns::wanted, nullptr).prediction;
+    ASSERT_TRUE(made);
+    const auto at = [&](double c2) {
+        return problem.predict(Eigen::Vector2d(2, c2), PredictedColumns::none, nullptr)
+            .prediction->blocks[0]
+            .predicted;
+    };
+    const Eigen::VectorXd slope = (-3 * at(0) + 4 * at(1e-4) - at(2e-4)) / 2e-4;
+    EXPECT_GT(slope.norm(), 0);
+    EXPECT_LT((made->blocks[0].columns.col(1) - slope).norm(), 1e-4 * slope.norm());
+}
+
+TEST_F(ExperimentTest, WhereALoadActsIsNoSizeOfIt) {
+    write("points.csv", "x_mm,y_mm,ux_mm,uy_mm\n3,2,0,0\n8,3,0,0\n");
+    const Experiment found = experiment(
+        pressed("law = \"neo-hookean\"\nstiffness_kpa = \"unknown\"\npoisson_ratio = 0.3",
+                "{side = \"y-max\"}\n[[pressure]]\nkpa = 1\nwhere = {centre_mm = [5, 4, 0], "
+                "radius_mm = {value = 2, sd = 0.1}}"));
+    const ExperimentProblem problem(found, [](SimulationSettings&) {}, 1, {});
+    ASSERT_TRUE(problem.predict(starts_of(found.parameters()), PredictedColumns::wanted, nullptr)
+                    .prediction);
+    EXPECT_EQ(problem.num_simulation(), 3);  // whole ones are compared
+}
+
 TEST_F(ExperimentTest, ASimulationThatBeginsFromAnotherOneSaysTheSame) {
     write("z.csv", "time_s,r_mm,z_mm\n1.3,0,1\n2.4,2,1\n3.5,4,1\n");
     const Experiment found = experiment(suction());
