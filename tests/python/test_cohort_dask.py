@@ -67,10 +67,13 @@ def cluster(tmp_path):
 IMPATIENT = """
 import sys
 from palpate.cohort import __main__, dask_engine
-dask_engine.SECONDS_FOR_OTHER_WORKERS = 3
-dask_engine.SECONDS_FOR_AN_ANSWER = 5
+dask_engine.{limit} = {seconds}
 sys.exit(__main__.main())
 """
+
+
+def impatient(limit, seconds):
+    return "-c", IMPATIENT.format(limit=limit, seconds=seconds)
 
 
 def engine(cohort, *more, start=("-m", "palpate.cohort"), stderr=subprocess.PIPE):
@@ -125,7 +128,7 @@ def test_without_its_scheduler_the_engine_ends_and_goes_on_with_another(cluster,
 
 def test_a_scheduler_that_does_not_answer_ends_the_engine(cluster, tmp_path):
     cohort = plan(tmp_path, patients=12, cases=3, seconds=0.2)
-    process = engine(cohort, "--scheduler-file", cluster.file, start=("-c", IMPATIENT))
+    process = engine(cohort, "--scheduler-file", cluster.file, start=impatient("SECONDS_FOR_AN_ANSWER", 5))
     wait_until(lambda: status(cohort)[1]["cases"]["done"] > 3, 120)
     cluster.scheduler.send_signal(signal.SIGSTOP)
     begin = time.monotonic()
@@ -179,7 +182,7 @@ def test_workers_that_are_all_broken_end_the_engine(cluster, tmp_path):
         worker.kill()
     for _ in range(2):
         cluster.add_worker(broken(tmp_path, signal.SIGILL))
-    code, _, errors = end_of(engine(cohort, "--scheduler-file", cluster.file, start=("-c", IMPATIENT)))
+    code, _, errors = end_of(engine(cohort, "--scheduler-file", cluster.file, start=impatient("SECONDS_FOR_OTHER_WORKERS", 3)))
     assert code == 8 and "no worker is left whose machine works" in errors and "Traceback" not in errors, errors
     assert errors.count("waiting for workers whose machine works") == 1
     cases = status(cohort)[1]["cases"]
@@ -419,6 +422,23 @@ def test_a_worker_without_the_program_is_a_broken_one(monkeypatch, tmp_path):
     monkeypatch.setattr("distributed.get_worker", lambda: types.SimpleNamespace(address=A1))
     code, errors, worker = run_shard(str(tmp_path / "palpate"), "cohort", 1, 2, "id")
     assert (code, worker) == (DEVICE_FAILED, A1) and f"{tmp_path}/palpate is not found there" in errors
+
+
+@pytest.mark.parametrize("code", [126, 127])
+def test_a_worker_on_which_the_program_does_not_start_is_a_broken_one(quick, monkeypatch, code):
+    monkeypatch.setattr(Future, "result", lambda self, timeout: (code if self.worker == A1 else 0, "", self.worker))
+    found = ran(Client((A1, B1)), 4)
+    assert found.workers.broken == {A1} and "does not start there" in found.workers.why
+
+
+def test_a_scheduler_that_does_not_answer_before_there_are_workers(monkeypatch):
+    monkeypatch.setattr("palpate.cohort.dask_engine.SECONDS_FOR_AN_ANSWER", 0.2)
+    never = threading.Event()
+    client = types.SimpleNamespace(status="running", nthreads=never.wait)
+    with pytest.raises(CohortError, match="has not answered") as caught:
+        slots_of_first_workers(client, types.SimpleNamespace(scheduler="tcp://a:1", scheduler_file=None, jobs=1))
+    assert caught.value.status == STOPPED
+    never.set()
 
 
 def test_work_is_taken_back_from_workers_that_have_gone_only():

@@ -29,9 +29,10 @@ SHARDS_PER_SLOT, WINDOW_PER_SLOT = 8, 2
 MOST_TRIES_WITHOUT_PROGRESS = 5
 SECONDS_BETWEEN_LOOKS = 1.0
 SECONDS_FOR_A_RESULT, SECONDS_TO_STOP = 15.0, 10.0
-SECONDS_FOR_AN_ANSWER = 300.0  # of the scheduler: a machine that sleeps for a while is no end
+SECONDS_FOR_AN_ANSWER = 300.0  # of a scheduler that is busy, or stopped, while its machine still answers
 SECONDS_FOR_OTHER_WORKERS = 60.0  # to come, where all that are there are broken
 BROKEN_WORKERS_OF_A_BROKEN_HOST = 2
+CANNOT_START = (126, 127)  # of setpriv and of the loader: a library is missing there
 
 
 def find_program(given: str | None) -> str:
@@ -95,6 +96,8 @@ def asking_the_scheduler(client):
     closed = getattr(distributed.client, "ClosedClientError", OSError)  # older versions have none
     try:
         yield
+    except CohortError:
+        raise
     except Exception as error:
         if client.status == "running" and not isinstance(error, (OSError, distributed.CancelledError, distributed.TimeoutError, closed)):
             raise
@@ -243,6 +246,8 @@ class Engine:
             return None
         if code == OUTPUT_FAILED:
             raise CohortError(why, OUTPUT_FAILED)
+        if code in CANNOT_START:
+            code, why = DEVICE_FAILED, f"{self.program} does not start there: {why}"
         if code not in (STOPPED, DEVICE_FAILED) and 0 <= code < 128:
             raise CohortError(f"a worker's palpate ended with code {code}: {why}", code)
         self.waiting.append(shard)
@@ -344,10 +349,13 @@ def slots_of_first_workers(client, chosen) -> int:
         if not chosen.scheduler and not chosen.scheduler_file:
             with contextlib.suppress(distributed.TimeoutError):  # a busy machine: with those that are there
                 client.wait_for_workers(chosen.jobs, timeout=60)
-        if not client.nthreads():
+        found = answer_in_time(client.nthreads, SECONDS_FOR_AN_ANSWER)
+        if not found:
             print("palpate.cohort: waiting for workers", file=sys.stderr)
-            client.wait_for_workers(1)
-        return sum(client.nthreads().values())
+        while not found:
+            time.sleep(SECONDS_BETWEEN_LOOKS)
+            found = answer_in_time(client.nthreads, SECONDS_FOR_AN_ANSWER)
+        return sum(found.values())
 
 
 def wanted_shards(cohort: pathlib.Path, slots: int) -> int:
