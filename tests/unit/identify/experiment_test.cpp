@@ -302,7 +302,7 @@ TEST_F(ExperimentTest, ColumnsOfLoadsComeWithOneSimulation) {
     }
 }
 
-/// A block pressed by a plate whose penalty follows the block, at two of its points.
+/// A block pressed by a plate whose penalty follows the block; points are measured in it.
 std::string pressed(const std::string& law, const std::string& top) {
     return "[mesh]\nformulation = \"plane-strain\"\nrectangle = {size_mm = [10, 4], divisions = "
            "[8, "
