@@ -9,9 +9,8 @@ namespace palpate {
 
 /// Neo-Hookean law in reduced invariants, W = mu x + kappa/2 (J - 1)^2.
 template <typename Real>
-struct NeoHookeanReducedLaw : FiniteStrainLaw<NeoHookeanReducedLaw<Real>, Real> {
+struct NeoHookeanReducedLaw : ReducedLaw<NeoHookeanReducedLaw<Real>, Real> {
     Real mu;
-    Real kappa;
 
     static MaterialDescription description() {
         return {"neo-hookean-reduced",
@@ -32,17 +31,6 @@ struct NeoHookeanReducedLaw : FiniteStrainLaw<NeoHookeanReducedLaw<Real>, Real> 
         return {shear_modulus(moduli) / 2, bulk_modulus(moduli)};
     }
 
-    PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
-        const Real x = distortion(strain);
-        return reduced_response(strain, x, potential(x), kappa);
-    }
-
-    PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
-                                                              int k) const {
-        const Real x = distortion(strain);
-        return reduced_parameter_response(strain, x, potential_slope(x, k), Real(k));
-    }
-
     /// psi of the isochoric part, psi(x) = mu x.
     PALPATE_DEVICE Potential<Real> potential(Real x) const { return {mu * x, mu, Real(0)}; }
     PALPATE_DEVICE PotentialSlope<Real> potential_slope(Real x, int k) const {
@@ -50,6 +38,7 @@ struct NeoHookeanReducedLaw : FiniteStrainLaw<NeoHookeanReducedLaw<Real>, Real> 
         if (k == 0) return {x, Real(1)};
         return {Real(0), Real(0)};
     }
+    PALPATE_DEVICE Real kappa_slope(int k) const { return Real(k); }
 };
 
 }  // namespace palpate

@@ -68,4 +68,26 @@ PALPATE_DEVICE ParameterResponse<Real> reduced_parameter_response(const FiniteSt
             kappa * (1 + change) * change};
 }
 
+/// From psi to a response. A law derives from it and has `potential(x)`, and `potential_slope(x,
+/// k)` and `kappa_slope(k)` by parameter k.
+template <class Law, typename Real>
+struct ReducedLaw : FiniteStrainLaw<Law, Real> {
+    Real kappa;
+
+    PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
+        const Real x = distortion(strain);
+        return reduced_response(strain, x, reduced().potential(x), kappa);
+    }
+
+    PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
+                                                              int k) const {
+        const Real x = distortion(strain);
+        return reduced_parameter_response(strain, x, reduced().potential_slope(x, k),
+                                          reduced().kappa_slope(k));
+    }
+
+private:
+    PALPATE_DEVICE const Law& reduced() const { return static_cast<const Law&>(*this); }
+};
+
 }  // namespace palpate

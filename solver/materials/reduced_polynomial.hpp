@@ -9,11 +9,10 @@ namespace palpate {
 
 /// Reduced polynomial of second order, W = C1 x + C2 x^2 + (J - 1)^2 / D1.
 template <typename Real>
-struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> {
+struct ReducedPolynomialLaw : ReducedLaw<ReducedPolynomialLaw<Real>, Real> {
     Real c1;
     Real c2;
-    Real kappa;        ///< 2 / D1
-    Real kappa_slope;  ///< by D1
+    Real kappa_by_d1;  ///< of kappa = 2 / D1
 
     static MaterialDescription description() {
         return {"reduced-polynomial",
@@ -28,7 +27,7 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
         law.c1 = static_cast<Real>(values[0]);
         law.c2 = static_cast<Real>(values[1]);
         law.kappa = static_cast<Real>(2 / values[2]);
-        law.kappa_slope = static_cast<Real>(-2 / (values[2] * values[2]));
+        law.kappa_by_d1 = static_cast<Real>(-2 / (values[2] * values[2]));
         return law;
     }
     static SmallStrainModuli small_strain(const double* values) {
@@ -38,18 +37,6 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
     static std::vector<double> parameters_of(const SmallStrainModuli& moduli) {
         const double c1 = shear_modulus(moduli) / 2;
         return {c1, c1, 2 / bulk_modulus(moduli)};
-    }
-
-    PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
-        const Real x = distortion(strain);
-        return reduced_response(strain, x, potential(x), kappa);
-    }
-
-    PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
-                                                              int k) const {
-        const Real x = distortion(strain);
-        return reduced_parameter_response(strain, x, potential_slope(x, k),
-                                          k == 2 ? kappa_slope : Real(0));
     }
 
     /// psi of the isochoric part, psi(x).
@@ -63,6 +50,7 @@ struct ReducedPolynomialLaw : FiniteStrainLaw<ReducedPolynomialLaw<Real>, Real> 
         if (k == 1) return {x * x, 2 * x};
         return {Real(0), Real(0)};
     }
+    PALPATE_DEVICE Real kappa_slope(int k) const { return k == 2 ? kappa_by_d1 : Real(0); }
 };
 
 }  // namespace palpate

@@ -19,12 +19,11 @@ PALPATE_DEVICE Real exponential_moment(Real y) {
 /// Exponential law of the type of Veronda and Westmann (1970) in reduced invariants,
 ///   W = mu/gamma (exp(gamma x) - 1) + kappa/2 (J - 1)^2.
 template <typename Real>
-struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
+struct VerondaWestmannLaw : ReducedLaw<VerondaWestmannLaw<Real>, Real> {
     static constexpr double typical_gamma = 5;
 
     Real mu;
     Real gamma;
-    Real kappa;
 
     static MaterialDescription description() {
         return {"veronda-westmann",
@@ -48,17 +47,6 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
         return {shear_modulus(moduli) / 2, typical_gamma, bulk_modulus(moduli)};
     }
 
-    PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
-        const Real x = distortion(strain);
-        return reduced_response(strain, x, potential(x), kappa);
-    }
-
-    PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
-                                                              int k) const {
-        const Real x = distortion(strain);
-        return reduced_parameter_response(strain, x, potential_slope(x, k), Real(k == 2 ? 1 : 0));
-    }
-
     /// psi of the isochoric part, psi(x).
     PALPATE_DEVICE Potential<Real> potential(Real x) const {
         const Real growth = expm1(gamma * x);
@@ -75,6 +63,7 @@ struct VerondaWestmannLaw : FiniteStrainLaw<VerondaWestmannLaw<Real>, Real> {
         if (k == 1) return {mu * x * x * exponential_moment(gamma * x), mu * x * (1 + growth)};
         return {Real(0), Real(0)};
     }
+    PALPATE_DEVICE Real kappa_slope(int k) const { return Real(k == 2 ? 1 : 0); }
 };
 
 }  // namespace palpate

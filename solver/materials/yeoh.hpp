@@ -10,11 +10,10 @@ namespace palpate {
 /// Law of Yeoh (1993) in reduced invariants, W = C1 x + C2 x^2 + C3 x^3 + kappa/2 (J - 1)^2. C2 and
 /// C3 not below 0: soft tissue stiffens, and psi' > 0 then holds for every x.
 template <typename Real>
-struct YeohLaw : FiniteStrainLaw<YeohLaw<Real>, Real> {
+struct YeohLaw : ReducedLaw<YeohLaw<Real>, Real> {
     Real c1;
     Real c2;
     Real c3;
-    Real kappa;
 
     static MaterialDescription description() {
         return {"yeoh",
@@ -41,17 +40,6 @@ struct YeohLaw : FiniteStrainLaw<YeohLaw<Real>, Real> {
         return {c1, c1, c1, bulk_modulus(moduli)};
     }
 
-    PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
-        const Real x = distortion(strain);
-        return reduced_response(strain, x, potential(x), kappa);
-    }
-
-    PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,
-                                                              int k) const {
-        const Real x = distortion(strain);
-        return reduced_parameter_response(strain, x, potential_slope(x, k), Real(k == 3 ? 1 : 0));
-    }
-
     /// psi of the isochoric part, psi(x).
     PALPATE_DEVICE Potential<Real> potential(Real x) const {
         // psi = C1 x + C2 x^2 + C3 x^3, psi' = C1 + 2 C2 x + 3 C3 x^2, psi'' = 2 C2 + 6 C3 x
@@ -64,6 +52,7 @@ struct YeohLaw : FiniteStrainLaw<YeohLaw<Real>, Real> {
         if (k == 2) return {x * x * x, 3 * x * x};
         return {Real(0), Real(0)};
     }
+    PALPATE_DEVICE Real kappa_slope(int k) const { return Real(k == 3 ? 1 : 0); }
 };
 
 }  // namespace palpate
