@@ -13,7 +13,9 @@
 namespace palpate {
 
 inline Index num_host_threads() {
-    return static_cast<Index>(std::clamp(std::thread::hardware_concurrency(), 1u, 64u));
+    static const auto found =
+        static_cast<Index>(std::clamp(std::thread::hardware_concurrency(), 1u, 64u));
+    return found;  // asking the system each time costs more than some loops
 }
 
 /// Calls `work(begin, end)` on consecutive parts of [0, count), one part per host thread. Parts
