@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solver/base/types.hpp"
@@ -23,6 +24,15 @@ struct IterationRecord {
     double step = 0;
     std::vector<double> stiffness_kpa;  ///< unknown moduli, in region order
 };
+
+/// Adds what a later search did; iterations count on.
+inline void append_records(std::vector<IterationRecord>& records,
+                           const std::vector<IterationRecord>& later) {
+    for (IterationRecord record : later) {
+        record.iteration = static_cast<int>(records.size()) + 1;
+        records.push_back(std::move(record));
+    }
+}
 
 struct Termination {
     bool converged = false;

@@ -63,7 +63,6 @@ private:
     void take_modes(double tolerance_mm);
     MapEstimate nearest_estimate();
     void search();
-    void keep_records();
     void judge();
     void close(bool is_done);
     bool is_settled() const;
@@ -199,14 +198,7 @@ MapEstimate Rounds::nearest_estimate() {
 void Rounds::search() {
     last_theta_ = found_.estimate.theta;
     found_.estimate = nearest_estimate();
-    keep_records();
-}
-
-void Rounds::keep_records() {
-    for (IterationRecord record : found_.estimate.records) {
-        record.iteration = static_cast<int>(records_.size()) + 1;
-        records_.push_back(std::move(record));
-    }
+    append_records(records_, found_.estimate.records);
 }
 
 bool Rounds::is_settled() const {
@@ -280,7 +272,7 @@ FiniteStrainEstimate Rounds::run() {
         map_estimate(rest_.response, rest_.walls, observations_, rest_.unknowns, first, progress_);
     found_.first = found_.estimate;
     found_.first.posterior.reset();
-    keep_records();
+    append_records(records_, found_.estimate.records);
     bool is_done = false;
     for (find_equilibrium(); !is_done && found_.rounds < options_.max_rounds;
          is_done = is_settled()) {

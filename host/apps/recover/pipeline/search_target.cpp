@@ -95,10 +95,7 @@ Eigen::VectorXd full_displacement(const RecoveryModel& recovery, const MapEstima
 /// Both searches as one.
 void add_records(const MapEstimate& earlier, MapEstimate& estimate) {
     std::vector<IterationRecord> records = earlier.records;
-    for (IterationRecord& record : estimate.records) {
-        record.iteration = static_cast<int>(records.size()) + 1;
-        records.push_back(std::move(record));
-    }
+    append_records(records, estimate.records);
     estimate.records = std::move(records);
     if (!earlier.termination.converged) estimate.termination = earlier.termination;
     estimate.termination.iterations = static_cast<int>(estimate.records.size());
