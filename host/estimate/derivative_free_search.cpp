@@ -96,9 +96,9 @@ GaussNewtonMinimum minimise_without_columns(const DataProblem& problem, NoiseMod
                                             const GaussNewtonStart& start, NloptSearch search,
                                             int max_evaluations, const ProgressSink& progress) {
     StepObjective objective(problem, noise, start, progress);
-    const TrustRegionOptions options{-max_steps_away, max_steps_away, 1.0, step_tolerance,
-                                     max_evaluations};
-    const TrustRegionMinimum found = minimise_with_nlopt(
+    const NloptOptions options{-max_steps_away, max_steps_away, 1.0, step_tolerance,
+                               max_evaluations};
+    const NloptMinimum found = minimise_with_nlopt(
         search, [&](const Eigen::VectorXd& steps) { return objective(steps); },
         Eigen::VectorXd::Zero(start.values.size()), options);
     // Columns at the end, without a step.

@@ -186,8 +186,8 @@ Discrepancy best_start(BlockLikelihood& likelihood, const DiscrepancyRange& rang
 Discrepancy learn_block(BlockLikelihood& likelihood, const DiscrepancyRange& range,
                         const Discrepancy& last, const ProgressSink& progress) {
     const DiscrepancyCoordinates coordinates(range);
-    const TrustRegionOptions options{0, 1, 0.1, 3e-3, 120};
-    const TrustRegionMinimum found = minimise_by_simplex(
+    const NloptOptions options{0, 1, 0.1, 3e-3, 120};
+    const NloptMinimum found = minimise_by_simplex(
         [&](const Eigen::VectorXd& x) {
             check_cancelled(progress);
             return likelihood(coordinates.field(x));

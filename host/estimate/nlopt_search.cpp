@@ -19,7 +19,7 @@ namespace {
 struct Trials {
     const std::function<double(const Eigen::VectorXd&)>& function;
     nlopt_opt optimiser;
-    TrustRegionMinimum lowest = {};
+    NloptMinimum lowest = {};
     std::exception_ptr failure = {};
 };
 
@@ -31,7 +31,7 @@ double evaluate_trial(unsigned n, const double* x, double*, void* data) {
         if (!std::isfinite(value))
             throw Error(ErrorCode::solve_failed,
                         "the search met an objective that is not a number");
-        TrustRegionMinimum& lowest = trials.lowest;
+        NloptMinimum& lowest = trials.lowest;
         if (lowest.evaluations++ == 0 || value < lowest.value) {
             lowest.x = point;
             lowest.value = value;
@@ -46,9 +46,9 @@ double evaluate_trial(unsigned n, const double* x, double*, void* data) {
 
 }  // namespace
 
-TrustRegionMinimum minimise_with_nlopt(
-    NloptSearch search, const std::function<double(const Eigen::VectorXd&)>& function,
-    const Eigen::VectorXd& start, const TrustRegionOptions& options) {
+NloptMinimum minimise_with_nlopt(NloptSearch search,
+                                 const std::function<double(const Eigen::VectorXd&)>& function,
+                                 const Eigen::VectorXd& start, const NloptOptions& options) {
     const nlopt_algorithm algorithm =
         search == NloptSearch::bobyqa ? NLOPT_LN_BOBYQA : NLOPT_LN_NELDERMEAD;
     const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)> optimiser(

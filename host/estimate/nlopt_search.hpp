@@ -9,14 +9,14 @@
 namespace palpate {
 
 /// Of `minimise_in_trust_region` and `minimise_by_simplex`.
-struct TrustRegionOptions {
+struct NloptOptions {
     double lower = 0, upper = 1;  ///< bounds of every unknown
     double first_step = 0.1;      ///< radius of the first quadratic
     double tolerance = 1e-3;      ///< the search ends when it would change unknowns by less
     int max_evaluations = 100;
 };
 
-struct TrustRegionMinimum {
+struct NloptMinimum {
     Eigen::VectorXd x;  ///< the lowest point that was evaluated
     double value = 0;
     int evaluations = 0;
@@ -27,8 +27,8 @@ struct TrustRegionMinimum {
 enum class NloptSearch : std::uint8_t { bobyqa, nelder_mead };
 
 /// What `minimise_in_trust_region` and `minimise_by_simplex` have in common.
-TrustRegionMinimum minimise_with_nlopt(
-    NloptSearch search, const std::function<double(const Eigen::VectorXd&)>& function,
-    const Eigen::VectorXd& start, const TrustRegionOptions& options);
+NloptMinimum minimise_with_nlopt(NloptSearch search,
+                                 const std::function<double(const Eigen::VectorXd&)>& function,
+                                 const Eigen::VectorXd& start, const NloptOptions& options);
 
 }  // namespace palpate

@@ -4,9 +4,8 @@
 
 namespace palpate {
 
-TrustRegionMinimum minimise_by_simplex(
-    const std::function<double(const Eigen::VectorXd&)>& function, const Eigen::VectorXd& start,
-    const TrustRegionOptions& options) {
+NloptMinimum minimise_by_simplex(const std::function<double(const Eigen::VectorXd&)>& function,
+                                 const Eigen::VectorXd& start, const NloptOptions& options) {
     return minimise_with_nlopt(NloptSearch::nelder_mead, function, start, options);
 }
 

@@ -11,8 +11,7 @@ namespace palpate {
 /// more; `first_step` is the edge of the first simplex. The first evaluation is at `start`, brought
 /// within the bounds. Exceptions of `function` come through; a value that is not finite throws
 /// Error(solve_failed).
-TrustRegionMinimum minimise_by_simplex(
-    const std::function<double(const Eigen::VectorXd&)>& function, const Eigen::VectorXd& start,
-    const TrustRegionOptions& options);
+NloptMinimum minimise_by_simplex(const std::function<double(const Eigen::VectorXd&)>& function,
+                                 const Eigen::VectorXd& start, const NloptOptions& options);
 
 }  // namespace palpate

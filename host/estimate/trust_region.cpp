@@ -4,9 +4,8 @@
 
 namespace palpate {
 
-TrustRegionMinimum minimise_in_trust_region(
-    const std::function<double(const Eigen::VectorXd&)>& function, const Eigen::VectorXd& start,
-    const TrustRegionOptions& options) {
+NloptMinimum minimise_in_trust_region(const std::function<double(const Eigen::VectorXd&)>& function,
+                                      const Eigen::VectorXd& start, const NloptOptions& options) {
     return minimise_with_nlopt(NloptSearch::bobyqa, function, start, options);
 }
 

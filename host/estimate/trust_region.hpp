@@ -10,8 +10,7 @@ namespace palpate {
 /// region (BOBYQA, Powell 2009, of NLopt). The first evaluation is at `start`, brought within the
 /// bounds. Exceptions of `function` come through; a value that is not finite throws
 /// Error(solve_failed).
-TrustRegionMinimum minimise_in_trust_region(
-    const std::function<double(const Eigen::VectorXd&)>& function, const Eigen::VectorXd& start,
-    const TrustRegionOptions& options);
+NloptMinimum minimise_in_trust_region(const std::function<double(const Eigen::VectorXd&)>& function,
+                                      const Eigen::VectorXd& start, const NloptOptions& options);
 
 }  // namespace palpate

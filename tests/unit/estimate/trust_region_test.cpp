@@ -17,7 +17,7 @@ double bowl(const Eigen::VectorXd& x) {
 }
 
 TEST(TrustRegion, FindsTheMinimumWithoutDerivatives) {
-    const TrustRegionMinimum found =
+    const NloptMinimum found =
         minimise_in_trust_region(bowl, Eigen::Vector2d(0.9, 0.1), {0, 1, 0.2, 1e-4, 100});
 
     // 2 (x - 0.3) + y / 2 = 0, 8 (y - 0.6) + x / 2 = 0
@@ -35,7 +35,7 @@ TEST(TrustRegion, StaysWithinItsBoundsAndBeginsThere) {
         return -x.sum();
     };
 
-    const TrustRegionMinimum found =
+    const NloptMinimum found =
         minimise_in_trust_region(watched, Eigen::Vector2d(-3, 7), {0, 1, 0.2, 1e-4, 100});
 
     EXPECT_GE(lowest, 0);
@@ -44,7 +44,7 @@ TEST(TrustRegion, StaysWithinItsBoundsAndBeginsThere) {
 }
 
 TEST(TrustRegion, GivesTheBestPointWhenEvaluationsAreUsedUp) {
-    const TrustRegionMinimum found =
+    const NloptMinimum found =
         minimise_in_trust_region(bowl, Eigen::Vector2d(0.9, 0.1), {0, 1, 0.2, 1e-9, 8});
 
     EXPECT_FALSE(found.converged);

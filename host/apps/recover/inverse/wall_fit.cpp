@@ -234,7 +234,7 @@ WallMotionScale fit_walls(const WallPrior& prior, const std::vector<LinearRow>& 
     const Evidence evidence(prior, rows, driven, frame);
     const auto cost = [&](const Eigen::VectorXd& x) { return evidence.cost(x); };
     // However it ends, its best point counts.
-    const TrustRegionMinimum best =
+    const NloptMinimum best =
         minimise_in_trust_region(cost, evidence.position_of(expected_scale(prior)),
                                  {-farthest, farthest, first_step, tolerance, most_trials});
     return evidence.scale_at(best.x);
