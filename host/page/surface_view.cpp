@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/page/assets.hpp"
+#include "host/page/derived_shape.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/packing.hpp"
-#include "host/page/surface_shape.hpp"
 
 namespace palpate {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "host/apps/simulate/mesh_picture.hpp"
 #include "host/apps/simulate/simulation_findings.hpp"
+#include "host/page/derived_shape.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/numbers.hpp"
-#include "host/page/surface_shape.hpp"
 
 namespace palpate {
 namespace {

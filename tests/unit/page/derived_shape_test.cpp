@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/page/surface_shape.hpp"
+#include "host/page/derived_shape.hpp"
 
 #include <gtest/gtest.h>
 
