@@ -22,6 +22,7 @@ constexpr double nearly =
     0.95;  ///< of the rise that excludes: the 95 % interval's, but for a little
 /// A profile is followed at most so far: sd of the prior, or of the Laplace posterior if flat.
 constexpr double max_prior_reach = 4.0, max_laplace_reach = 30.0;
+constexpr double max_ridge = 20.0;  ///< of a logarithm or a logit
 
 GaussNewtonOptions loosened(GaussNewtonOptions options) {
     options.gain_tolerance = std::max(options.gain_tolerance, left_gain);
@@ -48,10 +49,14 @@ Eigen::VectorXd ProfileSearch::within(Eigen::VectorXd transformed) const {
     return transformed.cwiseMax(range_.lower).cwiseMin(range_.upper);
 }
 
-/// Parameter k at t, the others at their conditional means in the Laplace posterior.
+/// Parameter k at t, the others at their conditional means in the Laplace posterior. Of a number
+/// that is hardly known these lie where the number itself is 0 or infinite: not so far.
 Eigen::VectorXd ProfileSearch::on_ridge(Index k, double t) const {
-    const Eigen::VectorXd ridge = covariance_.col(k) / covariance_(k, k);
-    return within(fit_.transformed + (t - fit_.transformed[k]) * ridge);
+    Eigen::VectorXd step = (t - fit_.transformed[k]) / covariance_(k, k) * covariance_.col(k);
+    for (Index i = 0; i < step.size(); ++i)
+        if (i != k && parameters_[std::size_t(i)].transform != Transform::identity)
+            step[i] = std::clamp(step[i], -max_ridge, max_ridge);
+    return within(fit_.transformed + step);
 }
 
 /// F there less F at the fit; infinite without a prediction.
