@@ -7,7 +7,7 @@ import json
 import numpy
 import pytest
 
-from tests.conftest import DATA, ROOT, run_palpate
+from tests.conftest import ROOT, run_palpate
 
 EXAMPLES = ROOT / "examples/identify"
 
@@ -91,52 +91,6 @@ def test_starts_go_on_where_they_stopped(tmp_path):
     third, _ = identify(EXAMPLES / "tension.toml", tmp_path / "c", "--starts", 2, "--starts-file", file, "--plan")
     assert third.returncode == 2 and "another experiment" in third.stderr
     assert more["search"]["starts"] == 4 and more["search"]["minima"] >= 1
-
-
-def relaxation_experiment(folder, curve, terms):
-    """The force after its peak, in parts of it, with so many exponentials."""
-    rows = list(csv.DictReader(open(curve, newline="")))
-    time, force = (numpy.array([float(row[name]) for row in rows]) for name in ("time_s", "force_N"))
-    peak = int(force.argmax())
-    time, force = time[peak:] - time[peak], force[peak:] / force[peak]
-    keep = numpy.unique(numpy.geomspace(1, len(time), 80).astype(int)) - 1
-    with open(folder / "curve.csv", "w") as file:
-        file.write("time_s,force_mn\n")
-        file.writelines(f"{t},{f}\n" for t, f in zip(time[keep], force[keep]))
-    relaxation = ", ".join(f"{{amplitude = {{unknown = true, start = 0.3, median = 0.3, sd_ln = 1}}, "
-                           f"time_s = {{unknown = true, start = {s}, median = {s}, sd_ln = 0.8}}}}"
-                           for s in (0.3, 3, 30)[:terms])
-    (folder / "relaxation.toml").write_text(f"""
-[[material]]
-law = "neo-hookean"
-stiffness_kpa = 10
-poisson_ratio = 0.4
-relaxation = [{relaxation}]
-[[data]]
-kind = "relaxation"
-file = "curve.csv"
-unit = "1"
-sd = 0.003
-gain = {{unknown = true, start = 0.5}}
-discrepancy = false            # what a model misses shall be seen
-""")
-    return folder / "relaxation.toml"
-
-
-def test_measured_relaxation_needs_more_than_one_exponential(tmp_path):
-    curves = DATA / "tissue_curves/meat_indentation_relaxation"
-    if not curves.is_dir():
-        pytest.skip(f"real data is missing: {curves}; set PALPATE_DATA")
-    evidence, unexplained = [], []
-    for terms in (1, 2, 3):
-        folder = tmp_path / str(terms)
-        folder.mkdir()
-        finished, result = identify(relaxation_experiment(folder, curves / "230407_FF1A.csv", terms), folder / "out")
-        assert finished.returncode in (0, 7), finished.stderr
-        evidence.append(result["search"]["log_evidence"])
-        unexplained.append(result["data"][0]["rms"])
-    assert evidence[0] + 5 < evidence[1] < evidence[2] - 5
-    assert unexplained[1] <= 0.005 and unexplained[2] <= 0.0015 and unexplained[0] > 0.01
 
 
 @pytest.mark.parametrize("change, code, words", [

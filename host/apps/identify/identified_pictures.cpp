@@ -39,6 +39,10 @@ std::string x_label(const DataBlock& block) {
     return block.time_s.size() > 0 ? "time, s" : "row";
 }
 
+std::string y_label(const DataBlock& block) {
+    return fmt::format("{}, {}", block.kind == "profile" ? "height" : block.kind, block.unit);
+}
+
 /// By time where rows have a place as well, a few of the times.
 std::vector<Series> series_of(const DataBlock& block) {
     std::map<double, std::vector<Eigen::Index>> groups;
@@ -79,12 +83,11 @@ PlotAxis axis_over(const std::vector<Series>& list,
     return {low - room, high + room, false, label};
 }
 
-Picture picture_of(const DataBlock& block, std::size_t number) {
+Picture picture_of(const DataBlock& block, std::size_t number, bool is_plan) {
     const std::vector<Series> list = series_of(block);
     Plot plot(fmt::format("fit{}", number), plot_width, plot_height,
               axis_over(list, {&Series::x}, x_label(block)),
-              axis_over(list, {&Series::measured, &Series::predicted},
-                        fmt::format("{}, {}", block.kind, block.unit)));
+              axis_over(list, {&Series::measured, &Series::predicted}, y_label(block)));
     std::vector<LegendEntry> legend;
     for (std::size_t k = 0; k < list.size(); ++k) {
         const Series& one = list[k];
@@ -95,8 +98,8 @@ Picture picture_of(const DataBlock& block, std::size_t number) {
         if (list.size() > 1) legend.push_back({one.name, list_colour(k)});
     }
     return {legend_html(legend) + plot.svg(block.name + ": measured and fitted"),
-            fmt::format("{}: circles were measured (bars: 95 % of the noise), lines are the model.",
-                        block.name)};
+            fmt::format("{}: circles {} (bars: 95 % of the noise), lines are the model.",
+                        block.name, is_plan ? "would be measured" : "were measured")};
 }
 
 }  // namespace
@@ -104,7 +107,7 @@ Picture picture_of(const DataBlock& block, std::size_t number) {
 std::vector<Picture> identified_pictures(const IdentifiedExperiment& found) {
     std::vector<Picture> pictures;
     for (const DataBlock& block : found.fit.prediction->blocks)
-        pictures.push_back(picture_of(block, pictures.size()));
+        pictures.push_back(picture_of(block, pictures.size(), found.is_plan));
     return pictures;
 }
 

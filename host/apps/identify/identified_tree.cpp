@@ -30,24 +30,27 @@ std::string why_text(const IdentifiedParameter& one) {
                                  : one.judgement.reason;
 }
 
+/// `distrust`: of all values; empty: none.
 ResultTree parameter_part(const IdentifiedParameter& one, const std::string& path,
-                          const std::vector<IdentifiedParameter>& all) {
+                          const std::vector<IdentifiedParameter>& all,
+                          const std::string& distrust) {
     ResultTree part{.name = path};
     part.add(Figure{.name = "path", .value = path, .title = "Number"});
     Figure value{.name = "value", .value = one.value, .title = "Value"};
     value.interval_95 = one.interval;
     value.interval_name = "interval_95";
     if (!one.parameter.is_nuisance) {  // nobody asked for it
-        value.verdict = one.judgement.verdict;
-        value.reason = one.judgement.reason;
+        value.verdict = distrust.empty() ? one.judgement.verdict : Verdict::not_judged;
+        value.reason = distrust.empty() ? one.judgement.reason : distrust;
     }
     part.add(value);
     part.add(Figure{.name = "unit",
                     .value = one.parameter.unit.empty() ? "1" : one.parameter.unit,
                     .title = "Unit"});
-    part.add(Figure{
-        .value = one.parameter.is_nuisance ? "known beforehand, with an error" : why_text(one),
-        .title = "Why"});
+    part.add(Figure{.value = one.parameter.is_nuisance ? "known beforehand, with an error"
+                             : distrust.empty()        ? why_text(one)
+                                                       : distrust,
+                    .title = "Why"});
     part.add("is_nuisance", one.parameter.is_nuisance);
     part.add("stands_at_an_end", stands_at_an_end(one));
     part.add("scale", name_of(one.parameter.transform));
@@ -101,8 +104,9 @@ ResultTree parameters_tree(const IdentifiedExperiment& found) {
                     .title = found.is_plan ? "What to expect" : "What was found",
                     .shape = ResultTree::Shape::list};
     const auto& all = found.identified.parameters;
+    const std::string distrust = found.is_plan ? "" : found.distrust();
     for (std::size_t k = 0; k < all.size(); ++k)
-        list.add(parameter_part(all[k], found.experiment.paths()[k], all));
+        list.add(parameter_part(all[k], found.experiment.paths()[k], all, distrust));
     return list;
 }
 
@@ -119,15 +123,21 @@ std::string ending_sentence(const IdentifiedExperiment& found) {
     if (found.is_plan)
         return fmt::format("Planned with {} simulations in {:.1f} s; nothing measured was used.",
                            found.num_simulation, found.seconds);
-    if (found.converged())
-        return fmt::format("The search converged after {} steps, {} simulations, {:.1f} s.",
-                           found.fit.num_step, found.num_simulation, found.seconds);
-    return fmt::format(
-        "The search did not converge ({}): do not trust the values.",
-        found.fit.is_settled ? name_of(found.fit.ending) : "the discrepancy did not settle");
+    const std::string distrust = found.distrust();
+    if (!found.converged()) return distrust;
+    return fmt::format("The search converged after {} steps, {} simulations, {:.1f} s.",
+                       found.fit.num_step, found.num_simulation, found.seconds) +
+           (distrust.empty() ? "" : " " + distrust);
 }
 
 }  // namespace
+
+std::string IdentifiedExperiment::distrust() const {
+    if (!converged())
+        return fmt::format("The search did not converge ({}): do not trust the values.",
+                           fit.is_settled ? name_of(fit.ending) : "the discrepancy did not settle");
+    return misfit;
+}
 
 ResultTree identified_tree(const IdentifiedExperiment& found) {
     const Identified& all = found.identified;

@@ -22,9 +22,12 @@ struct IdentifiedExperiment {
     int num_simulation = 0;
     bool is_mesh_checked = false;          ///< whether values are corrected for mesh and time steps
     std::string mesh_check_sentence = {};  ///< what was done about them, or why nothing
+    std::string misfit = {};  ///< why this is no model of what was measured; empty: it may be one
     double seconds = 0;
 
     bool converged() const { return fit.ending == Ending::converged && fit.is_settled; }
+    /// In a sentence, why the values are not to be trusted; empty if nothing speaks against it.
+    std::string distrust() const;
 };
 
 ResultTree identified_tree(const IdentifiedExperiment& found);
