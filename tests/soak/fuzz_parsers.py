@@ -19,7 +19,38 @@ from tests.soak.figures import Figure, main  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SECONDS = int(os.environ.get("PALPATE_FUZZ_SECONDS", 600))
 PARSERS = ["nifti", "nrrd", "meta", "settings", "simulation", "load_table", "point_text", "point_table", "study_rows",
-           "saved_reference", "program_entry"]
+           "saved_reference", "program_entry", "number_table", "pgm", "aspiration"]
+
+
+ASPIRATION = """[instrument]
+hole_diameter_mm = 5.0
+edge_radius_mm = 0.2
+rim_thickness_mm = 0.5
+outer_diameter_mm = 20.0
+pixel_r_um = 62.9
+pixel_z_um = 31.75
+base_row_px = 150
+axis_column_px = 89.5
+crop_px = [0, 0, 180, 180]
+tissue = "brighter"
+[frames]
+rate_hz = 25.0
+method = "published"
+[pressure]
+delay_s = {value = 0.0, sd = 0.02}
+time_s = [0, 1, 2]
+suction_mbar = [0, 50, 0]
+[tissue]
+depth_mm = 16.0
+laws = ["veronda-westmann", "reduced-polynomial"]
+relaxation_terms = [0, 1]
+kappa_over_shear = 500
+friction = "unknown"
+steps = 32
+[supposed]
+mu_kpa = 0.7
+gamma = 10
+"""
 
 
 def cases(*endings):
@@ -44,13 +75,16 @@ def seeds(parser):
         "program_entry": lambda: [b"palpate program1" + struct.pack("<QQQ", 20, 3, 0) +
                                   b"the key of a program" + b"\1\2\3"],
         "study_rows": lambda: [b'case,"a, b",c\r\n1,"say ""so""",x\n2,,\n'],
+        "number_table": lambda: texts("examples/identify/*.csv") + [b"time_s,r_mm,z_mm,sd_mm,flag\n0,-1,0.5,0.01,0\n"],
+        "pgm": lambda: [b"P5\n3 2\n255\nabcdef", b"P5 # a\n1 2\n4095\nabcd"],
+        "aspiration": lambda: [ASPIRATION.encode(), ASPIRATION.replace("= 5.0", "= {value = 5.0, sd = 0.1}").encode()],
         "saved_reference": lambda: [struct.pack("<Q", 5) + b"0.1.0" + bytes(400), bytes(2000)],
     }[parser]()
 
 
 def words(parser):
     """A dictionary for text: names of keys are hard to guess."""
-    if parser not in ("nrrd", "meta", "settings", "simulation"):
+    if parser not in ("nrrd", "meta", "settings", "simulation", "aspiration"):
         return []
     found = set()
     for data in seeds(parser):
