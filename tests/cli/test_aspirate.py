@@ -214,6 +214,24 @@ def test_settings_are_read_strictly(change, words, settings, tmp_path):
     assert words in finished.stderr
 
 
+def test_tissue_that_is_darker_than_told_is_refused(settings, tmp_path):
+    frames = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 4, 6)]
+    for told, shown in (("darker", frames), ("brighter", [255 - frame for frame in frames])):
+        settings.write_text(SETTINGS.replace("[frames]", f'tissue = "{told}"\n[frames]'))
+        finished = run_palpate("aspirate", "contours", write_frames(tmp_path / told, shown), "--config", settings,
+                               "--out", tmp_path / "out")
+        assert finished.returncode == 4, finished.stdout
+        assert "tissue" in finished.stderr and not (tmp_path / "out").exists()
+
+
+def test_the_axis_is_told_in_whole_frames(settings, tmp_path):
+    settings.write_text(SETTINGS.replace("[frames]", "crop_px = [12, 0, 160, 180]\n[frames]"))
+    frames = write_frames(tmp_path / "frames", [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 5, 4)])
+    finished = run_palpate("aspirate", "contours", frames, "--config", settings, "--out", tmp_path / "out")
+    assert finished.returncode == 0, finished.stderr
+    assert json.loads((tmp_path / "out/result.json").read_text())["axis_column_px"] == 89.5
+
+
 def test_cropped_timed_and_calibrated_films_give_the_same_profiles(settings, tmp_path):
     frames = [frame for frame, _ in silhouettes.film(silhouettes.SUITE[0], 5, 6)]
     plain = from_pipe(settings, frames).stdout

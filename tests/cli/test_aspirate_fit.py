@@ -46,6 +46,10 @@ def test_tissue_comes_back_with_intervals(sucked, tmp_path):
         low, high = values[name]["interval_95"]
         assert low < values[name]["value"] < high
     assert values["delay_s"]["is_nuisance"]
+    assert result["tissue"]["young_modulus_kpa"]["value"] == pytest.approx(6 * values["mu_kpa"]["value"])
+    assert result["tissue"]["young_modulus_kpa"]["interval"] == pytest.approx(
+        [6 * end for end in values["mu_kpa"]["interval_95"]])
+    assert result["tissue"]["gamma"]["verdict"] == values["gamma"]["verdict"]
     assert result["film"]["travel_mm"] > 0.5
     assert result["models"][0]["weight"] == pytest.approx(1)
     page = (tmp_path / "fit/report.html").read_text()
@@ -55,8 +59,26 @@ def test_tissue_comes_back_with_intervals(sucked, tmp_path):
     assert finished.returncode == 0, finished.stderr
 
 
+def test_a_model_of_another_film_is_not_to_be_trusted(sucked, tmp_path):
+    """Where tissue bounces, which no law and no tube does, there are no verdicts, and code 7."""
+    rows = [line.split(",") for line in (sucked / "profiles.csv").read_text().splitlines()]
+    for row in rows[1:]:
+        if row[4] == "0":
+            row[2] = f"{float(row[2]) + 0.6 * abs((float(row[0]) % 2) - 1) * (1 - abs(float(row[1])) / 5):.5f}"
+    profiles = tmp_path / "profiles.csv"
+    profiles.write_text("".join(",".join(row) + "\n" for row in rows))
+    finished = fit(sucked, tmp_path / "fit", profiles=profiles)
+    assert finished.returncode == 7, finished.stdout + finished.stderr
+    assert "do not trust the values" in finished.stdout
+    result = json.loads((tmp_path / "fit/result.json").read_text())
+    assert {one["verdict"] for one in result["parameters"] if not one["is_nuisance"]} == {"not judged"}
+    assert result["tissue"]["young_modulus_kpa"]["verdict"] == "not judged"
+    page = (tmp_path / "fit/report.html").read_text()
+    assert "notice bad" in page and "No values to trust" in page
+
+
 def test_a_plan_needs_no_film_and_tells_what_to_expect(tmp_path):
-    supposed = SETTINGS + "[supposed]\nmu_kpa = 0.7\ngamma = 10\namplitude = 0.4\ntime_s = 3\n"
+    supposed = SETTINGS + '[frames]\ntimes = "nowhere.csv"\n' + "[supposed]\nmu_kpa = 0.7\ngamma = 10\namplitude = 0.4\ntime_s = 3\n"
     (tmp_path / "plan.toml").write_text(supposed)
     (tmp_path / "pressure.csv").write_text("time_s,suction_mbar\n0,0\n0.2,0\n3.7,60\n6.7,60\n9.7,0\n12,0\n")
     finished = run_palpate("aspirate", "plan", "--pressure", tmp_path / "pressure.csv", "--config", tmp_path / "plan.toml",
@@ -94,6 +116,7 @@ def changed(path, old, new):
     ("edge_radius_mm = 0.2\n", "", 2, "edge_radius_mm"),
     ("delay_s = {value = 0.0, sd = 0.02}", 'delay_s = "unknown"', 2, "delay_s"),
     ("steps = 12", "friction = -1", 2, "friction"),
+    ("steps = 12", "refine = 0", 2, "refine"),
 ])
 def test_settings_are_read_strictly(old, new, code, words, sucked, tmp_path):
     settings = tmp_path / "aspiration.toml"
@@ -111,7 +134,8 @@ def test_settings_are_read_strictly(old, new, code, words, sucked, tmp_path):
     ("time_s,suction_mbar\n0,0\n1,0\n2,0\n", 4, "no suction"),
     ("time_s,suction_mbar\n0,20\n1,20\n2,0\n", 4, "first reading"),
     ("time_s,suction_mbar\n100,0\n101,20\n102,0\n", 4, "do not overlap"),
-    ("time_s,suction_psi\n0,0\n1,1\n", 3, "suction_kpa"),
+    ("time_s,suction_psi\n0,0\n1,1\n", 3, "'suction_mbar' or 'suction_kpa'"),
+    ("time_s,suction_kpa\n0,0\n1,143\n2,0\n", 4, "143 kPa"),
     ("time_s,suction_mbar\n0,zero\n", 3, "not a number"),
 ])
 def test_bad_suction_gets_its_code(text, code, words, sucked, tmp_path):

@@ -20,15 +20,15 @@ namespace {
 
 std::string contours_page(const FilmOutlines& film, const ResultTree& tree,
                           const AspirationInstrument& instrument) {
-    return page_html({.kind = "palpate aspirate contours",
-                      .version = version_text(),
-                      .headline = fmt::format("Outlines in {} frames", film.num_frames),
-                      .lead = "<p class='summary'>Outlines of tissue in the frames of a film.</p>",
-                      .main = section_html("figures", "Figures", tree_html(tree)) +
-                              film_sections(film.strip, film.time_s, film.apex_mm,
-                                            instrument.pixel_z_um / instrument.pixel_r_um),
-                      .footer = "All points: <code>profiles.csv</code>.",
-                      .style = film_style});
+    return page_html(
+        {.kind = "palpate aspirate contours",
+         .version = version_text(),
+         .headline = fmt::format("Outlines in {} frames", film.num_frames),
+         .lead = "<p class='summary'>Outlines of tissue in the frames of a film.</p>",
+         .main = section_html("figures", "Figures", tree_html(tree)) +
+                 film_sections(film.strip, film.time_s, film.apex_mm, film_lines(film, instrument)),
+         .footer = "All points: <code>profiles.csv</code>.",
+         .style = film_style});
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ Outcome run_contours(const OptionValues& values, const ProgressSink& progress) {
             progress);
         return {.result = outlines_tree(film, instrument),
                 .text = fmt::format("# {} frames, axis at column {:.2f}\n", film.num_frames,
-                                    film.axis.column)};
+                                    axis_column_px(film, instrument))};
     }
     const std::filesystem::path folder = values.path("out");
     check_output_folder(folder, profiles_file, values.flag("overwrite"));

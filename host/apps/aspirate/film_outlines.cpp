@@ -5,15 +5,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <limits>
 #include <optional>
 
-#include "host/apps/aspirate/contours/contour_tracker.hpp"
-#include "host/apps/aspirate/contours/published_outline.hpp"
 #include "host/apps/aspirate/frames/frame_source.hpp"
+#include "host/apps/aspirate/outline_finder.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -21,42 +20,21 @@ namespace {
 
 constexpr double most_lost_part = 0.2, most_asymmetry_mm = 0.3;
 
-GreyFrame cropped(const GreyFrame& frame, const std::array<Index, 4>& crop) {
-    const auto [left, top, width, height] = crop;
-    if (left + width > frame.width || top + height > frame.height)
-        throw Error(ErrorCode::input_unusable,
-                    fmt::format("crop_px reaches to column {} and row {}, but frames have {} x {} "
-                                "pixels; correct it",
-                                left + width, top + height, frame.width, frame.height));
-    GreyFrame part{width, height, {}};
-    part.grey.reserve(std::size_t(width * height));
-    for (Index y = top; y < top + height; ++y) {
-        const auto row = frame.grey.begin() + y * frame.width + left;
-        part.grey.insert(part.grey.end(), row, row + width);
+/// Sum over sure points of the grey 3 to 6 rows below less that as far above.
+double contrast_of(const GreyFrame& frame, const Outline& outline) {
+    constexpr Index nearest = 3, farthest = 6;
+    double sum = 0;
+    for (Index x = 0; x < Index(outline.size()); ++x) {
+        const OutlinePoint& point = outline[std::size_t(x)];
+        const auto row = Index(std::lround(point.row));
+        if (point.flag != PointFlag::ok || row < farthest || row + farthest >= frame.height)
+            continue;
+        for (Index k = nearest; k <= farthest; ++k)
+            sum += double(frame.grey[std::size_t((row + k) * frame.width + x)] -
+                          frame.grey[std::size_t((row - k) * frame.width + x)]);
     }
-    return part;
+    return sum;
 }
-
-/// Either way of finding outlines.
-class Finder {
-public:
-    explicit Finder(const AspirationInstrument& instrument) : instrument_(instrument) {}
-    const Outline& add(const GreyFrame& frame) {
-        if (!ours_ && !published_) {
-            const ContourSettings settings = instrument_.contours(frame.width, frame.height);
-            if (instrument_.is_published)
-                published_.emplace(settings);
-            else
-                ours_.emplace(settings);
-        }
-        return ours_ ? ours_->add(frame) : published_->add(frame);
-    }
-
-private:
-    AspirationInstrument instrument_;
-    std::optional<ContourTracker> ours_;
-    std::optional<PublishedOutline> published_;
-};
 
 void add_frame(FilmOutlines& film, const GreyFrame& frame, const Outline& outline, double time_s,
                const AspirationInstrument& instrument) {
@@ -69,6 +47,7 @@ void add_frame(FilmOutlines& film, const GreyFrame& frame, const Outline& outlin
         ++sure;
         highest = std::min(highest, point.row);
     }
+    film.contrast += contrast_of(frame, outline);
     film.num_points += seen;
     film.num_guessed += seen - sure;
     if (2 * sure <= seen) {
@@ -93,6 +72,12 @@ void refuse_bad_film(const FilmOutlines& film, const AspirationInstrument& instr
             fmt::format("the outline is lost in {} of {} frames; better light or contrast is "
                         "needed",
                         film.num_lost, film.num_frames));
+    if (instrument.is_brighter != (film.contrast > 0))
+        refuse(
+            fmt::format("what lies below the outline is {0} than what is above, but tissue is told "
+                        "to be {1}; set tissue = \"{0}\", or turn the film upright",
+                        instrument.is_brighter ? "darker" : "brighter",
+                        instrument.is_brighter ? "brighter" : "darker"));
     const double asymmetry_mm = film.axis.asymmetry * instrument.pixel_z_um / 1000;
     if (asymmetry_mm > most_asymmetry_mm)
         refuse(
@@ -146,15 +131,14 @@ FilmOutlines follow_film(const OptionValues& values, const AspirationInstrument&
                          const ProgressSink& progress) {
     FrameSource source = source_of(values, progress);
     FrameTimes times(instrument, source);
-    Finder finder(instrument);
+    OutlineFinder finder(instrument);
     ProfileWriter writer(instrument, write);
     FilmOutlines film;
     GreyFrame frame;
     while (source.next(frame)) {
-        if (instrument.crop_px) frame = cropped(frame, *instrument.crop_px);
         const Outline& outline = finder.add(frame);
         const double time_s = times.next();
-        add_frame(film, frame, outline, time_s, instrument);
+        add_frame(film, finder.seen(), outline, time_s, instrument);
         writer.add(outline, time_s);
         const double done =
             source.num_frames() ? double(film.num_frames) / double(source.num_frames()) : -1;
@@ -179,6 +163,17 @@ FilmOutlines write_profiles(const std::filesystem::path& folder, const OptionVal
     return film;
 }
 
+double axis_column_px(const FilmOutlines& film, const AspirationInstrument& instrument) {
+    return film.axis.column + (instrument.crop_px ? double((*instrument.crop_px)[0]) : 0);
+}
+
+FilmLines film_lines(const FilmOutlines& film, const AspirationInstrument& instrument) {
+    return {.base_row = instrument.base_row_px,
+            .visible_row = instrument.visible_row(),
+            .axis_column = film.axis.column,
+            .rows_per_column = instrument.pixel_z_um / instrument.pixel_r_um};
+}
+
 ResultTree outlines_tree(const FilmOutlines& film, const AspirationInstrument& instrument) {
     ResultTree tree =
         ResultTree::of("contours", {{"format", "palpate-contours"}, {"format_version", 1}});
@@ -193,7 +188,7 @@ ResultTree outlines_tree(const FilmOutlines& film, const AspirationInstrument& i
               .title = "Points that are flagged",
               .decimals = 1});
     tree.add({.name = "axis_column_px",
-              .value = film.axis.column,
+              .value = axis_column_px(film, instrument),
               .unit = "px",
               .title = "Column of the axis",
               .decimals = 2});

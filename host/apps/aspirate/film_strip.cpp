@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t most_shown = 12;
 constexpr const char* sure_colour = "#22c55e";
 constexpr const char* guess_colour = "#ff8c1a";
+constexpr const char* line_colour = "#60a5fa";
 
 /// Runs of points with (or without) a flag as lines, hidden ones left out.
 std::string lines_of(const Outline& outline, bool is_sure, const char* colour, double stretch) {
@@ -47,8 +48,23 @@ std::string lines_of(const Outline& outline, bool is_sure, const char* colour, d
     return lines;
 }
 
-/// Pixels are drawn as they are on the tissue: a row is `stretch` of a column high.
-std::string picture(const FilmStrip::Shown& shown, double stretch) {
+std::string instrument_lines(const FilmLines& lines, Index width, double drawn) {
+    const auto level = [&](double row, const char* dashes) {
+        const double y = (row + 0.5) * lines.rows_per_column;
+        return fmt::format(
+            "<line x1='0' x2='{}' y1='{:.2f}' y2='{:.2f}' stroke='{}' stroke-width='0.7'{}/>",
+            width, y, y, line_colour, dashes);
+    };
+    return level(lines.base_row, "") + level(lines.visible_row, " stroke-dasharray='4 3'") +
+           fmt::format(
+               "<line x1='{0:.2f}' x2='{0:.2f}' y1='0' y2='{1:.1f}' stroke='{2}' "
+               "stroke-width='0.5' stroke-dasharray='1 3'/>",
+               lines.axis_column + 0.5, drawn, line_colour);
+}
+
+/// Pixels are drawn as they are on the tissue.
+std::string picture(const FilmStrip::Shown& shown, const FilmLines& lines) {
+    const double stretch = lines.rows_per_column;
     std::vector<std::uint8_t> grey;
     for (const float value : shown.frame.grey)
         grey.push_back(std::uint8_t(std::clamp(std::lround(value), 0L, 255L)));
@@ -57,10 +73,10 @@ std::string picture(const FilmStrip::Shown& shown, double stretch) {
     return fmt::format(
         "<figure><svg viewBox='0 0 {0} {1:.1f}' role='img' aria-label='frame {2}'>"
         "<image href='data:image/png;base64,{3}' width='{0}' height='{1:.1f}' "
-        "preserveAspectRatio='none' style='image-rendering:pixelated'/>{4}{5}</svg>"
-        "<figcaption>{6:.2f} s, frame {7}</figcaption></figure>",
+        "preserveAspectRatio='none' style='image-rendering:pixelated'/>{4}{5}{6}</svg>"
+        "<figcaption>{7:.2f} s, frame {8}</figcaption></figure>",
         width, drawn, shown.number + 1, to_base64(png_of(width, height, grey)),
-        lines_of(shown.outline, true, sure_colour, stretch),
+        instrument_lines(lines, width, drawn), lines_of(shown.outline, true, sure_colour, stretch),
         lines_of(shown.outline, false, guess_colour, stretch), shown.time_s, shown.number + 1);
 }
 
@@ -84,22 +100,29 @@ const char* const film_style =
     "width:14px;height:3px;margin-right:6px;vertical-align:middle}";
 
 std::string film_sections(const FilmStrip& strip, const std::vector<double>& seconds,
-                          const std::vector<double>& apex_mm, double rows_per_column) {
+                          const std::vector<double>& apex_mm, const FilmLines& lines) {
     std::string pictures;
-    for (const FilmStrip::Shown& shown : strip.shown()) pictures += picture(shown, rows_per_column);
+    for (const FilmStrip::Shown& shown : strip.shown()) pictures += picture(shown, lines);
     std::string curve;
     if (!seconds.empty()) {
         const auto [low, high] = std::minmax_element(apex_mm.begin(), apex_mm.end());
         const double edge = 0.05 + 0.05 * (*high - *low);
-        Plot plot("apex", 640, 260, {0, std::max(1e-3, seconds.back()), false, "time, s"},
+        Plot plot("travel", 640, 260,
+                  {0, std::max(1e-3, seconds.back()), false, "time of the film, s"},
                   {*low - edge, *high + edge, false, "highest point, mm above the rim's face"});
         plot.curve(seconds, apex_mm, "var(--accent)", false);
         curve = "<figure>" + plot.svg("Highest point of the tissue over time") + "</figure>";
     }
     return section_html("apex", "Travel", curve) +
            section_html("frames", "Frames",
-                        legend_html({{"outline", sure_colour}, {"guessed", guess_colour}}) +
-                            "<div class='strip'>" + pictures + "</div>");
+                        legend_html({{"outline", sure_colour},
+                                     {"guessed or lost", guess_colour},
+                                     {"told of the instrument", line_colour}}) +
+                            "<p class='caption'>Whole line: the rim's lower face, z = 0 "
+                            "(base_row_px). Dashed: the rim hides what is below. Dotted: the axis. "
+                            "If these are not where you see rim and middle, correct the settings."
+                            "</p><div class='strip'>" +
+                            pictures + "</div>");
 }
 
 }  // namespace palpate

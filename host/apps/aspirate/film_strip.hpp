@@ -27,11 +27,18 @@ private:
     std::vector<Shown> shown_;
 };
 
+/// What is told or found of the instrument, drawn over frames: pixels of what `crop_px` keeps.
+struct FilmLines {
+    double base_row = 0;     ///< z = 0, the rim's lower face
+    double visible_row = 0;  ///< from there on the rim hides the tissue
+    double axis_column = 0;
+    double rows_per_column = 1;  ///< height of a pixel over its width, on the tissue
+};
+
 /// Sections of a page: how far the highest point came, and frames with their outlines.
-///   `seconds` and `apex_mm` [frames that were seen]; a row of pixels is `rows_per_column` of a
-///   column high on the tissue
+///   `seconds` and `apex_mm` [frames that were seen]
 std::string film_sections(const FilmStrip& strip, const std::vector<double>& seconds,
-                          const std::vector<double>& apex_mm, double rows_per_column);
+                          const std::vector<double>& apex_mm, const FilmLines& lines);
 /// Of these sections.
 extern const char* const film_style;
 

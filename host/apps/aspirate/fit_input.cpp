@@ -20,7 +20,8 @@ constexpr double above_rim_mm = 0.12;  // points nearer to the line of visibilit
 constexpr Index least_in_bin = 4, least_frames = 8;
 constexpr double most_side_difference_mm = 0.3, least_travel_mm = 0.05;
 constexpr double begin_tolerance_s = 1e-6, rest_part = 0.03;
-constexpr double long_gap = 5;  // times the usual distance
+constexpr double long_gap = 5;          // times the usual distance
+constexpr double weak_suction_kpa = 2;  // 20 mbar: few instruments suck so little
 constexpr double first_mm = 0.25, first_part = 0.3;
 // e^(gamma x) is how much stiffer tissue is at the peak, x = 1.3 (travel / hole radius)^2
 constexpr double stretch_factor = 1.3;
@@ -227,8 +228,8 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
     input.flagged_percent = 100 * flagged / std::max(1.0, points);
     if (within.empty() || within.back().time_s - delay_s <= input.begin_s)
         refuse(fmt::format(
-            "suction and film do not overlap: it sucks from {:g} to {:g} s, frames "
-            "are from {:g} to {:g} s",
+            "suction and film do not overlap: suction begins at {:g} s and is read until {:g} s, "
+            "frames are from {:g} to {:g} s; correct the times of the frames, or delay_s",
             input.begin_s, suction.end_s(), profiles.empty() ? 0 : profiles.front().time_s,
             profiles.empty() ? 0 : profiles.back().time_s));
     if (within.size() < profiles.size())
@@ -238,6 +239,11 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
                         profiles.size() - within.size()));
     warn_of_gaps(times, "frames", input.warnings);
     warn_of_gaps(suction.time_s, "readings of suction", input.warnings);
+    if (suction.peak_kpa() < weak_suction_kpa)
+        input.warnings.push_back(
+            fmt::format("the largest suction is only {:.3g} mbar ({:.3g} kPa); check the unit of "
+                        "its column",
+                        suction.peak_kpa() / kpa_per_mbar, suction.peak_kpa()));
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
     input.rest = find_rest(frames_at_rest(within, suction, input.begin_s, delay_s),
                            settings.instrument.rim_thickness_mm + above_rim_mm, radius_mm,
@@ -250,8 +256,9 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
         *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end()) <
             least_travel_mm)
         refuse(
-            fmt::format("the tissue does not move by {:g} mm under the suction; check that "
-                        "times of film and suction belong together",
+            fmt::format("the tissue does not move by {:g} mm under the suction; look at the "
+                        "outlines (palpate aspirate contours): the rim has to be below, and "
+                        "base_row_px, tissue and the times of film and suction right",
                         least_travel_mm));
     input.start = start_of(input.apex, radius_mm);
     return input;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "host/apps/aspirate/tissue_tree.hpp"
 #include "host/page/legend.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/page.hpp"
@@ -118,8 +119,8 @@ std::string residual_picture(const AspirationFit& fit) {
                 "{:.1f}</text>",
                 left + wide * (double(column) + 0.5), time_s);
     labels += fmt::format(
-        "<text x='{:.0f}' y='266' text-anchor='middle' class='label'>time, s "
-        "(frames that are fitted)</text><text x='12' y='120' "
+        "<text x='{:.0f}' y='266' text-anchor='middle' class='label'>time from the begin of "
+        "suction, s (frames that are fitted, not evenly spaced)</text><text x='12' y='120' "
         "transform='rotate(-90 12 120)' text-anchor='middle' class='label'>r, mm"
         "</text>",
         0.5 * (left + width));
@@ -128,30 +129,9 @@ std::string residual_picture(const AspirationFit& fit) {
                     "over time and place'>{}{}</svg>",
                     width, cells, labels),
         fmt::format("Measured less model: blue, the tissue stands lower than the model says; red, "
-                    "higher. Full colour is {:.3f} mm. What is patterned here is what the model "
-                    "does not explain.",
+                    "higher. Full colour is {:.3f} mm; white is none, or nothing seen. What is "
+                    "patterned here is what the model does not explain.",
                     most));
-}
-
-/// As formulas have it.
-std::string symbol_of(const std::string& name) {
-    static const std::map<std::string, std::string> symbols{{"mu_kpa", "mu"},
-                                                            {"c1_kpa", "c1"},
-                                                            {"c2_kpa", "c2"},
-                                                            {"amplitude", "C"},
-                                                            {"time_s", "tau"}};
-    const auto found = symbols.find(name);
-    return found == symbols.end() ? name : found->second;
-}
-
-std::string unknowns_sentence(const AspirationFit& fit) {
-    std::string text;
-    for (const IdentifiedParameter& one : fit.best().found->identified.parameters)
-        if (!one.parameter.is_nuisance)
-            text += fmt::format("{}{} {:.3g}{}{}", text.empty() ? "" : ", ",
-                                symbol_of(one.parameter.name), one.value,
-                                one.parameter.unit.empty() ? "" : " ", one.parameter.unit);
-    return text;
 }
 
 }  // namespace
@@ -172,6 +152,8 @@ std::vector<std::string> AspirationFit::warnings() const {
 ResultTree fit_tree(const AspirationFit& fit) {
     ResultTree tree = identified_tree(*fit.best().found);
     tree.name = "aspiration";
+    doubt_edge_radius(tree);
+    tree.children.insert(tree.children.begin(), tissue_tree(*fit.best().found));
     ResultTree seen{.name = "film", .title = "What was looked at"};
     seen.add(Figure{.name = "model", .value = fit.best().name, .title = "Model"});
     seen.add(
@@ -199,6 +181,9 @@ ResultTree fit_tree(const AspirationFit& fit) {
                     .value = fit.suction.peak_kpa(),
                     .unit = "kPa",
                     .title = "Largest suction"});
+    seen.add(Figure{.value = fit.suction.peak_kpa() / kpa_per_mbar,
+                    .unit = "mbar",
+                    .title = "Largest suction, in mbar"});
     seen.add("warnings", fit.warnings());
     tree.add(std::move(seen));
     ResultTree models{.name = "models",
@@ -236,19 +221,21 @@ std::string fit_text(const AspirationFit& fit) {
 
 std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const FilmOutlines* film) {
     std::string notices;
+    const std::string distrust = fit.best().found->distrust();
+    if (!distrust.empty()) notices += "<p class='notice bad'>" + escape_html(distrust) + "</p>";
     for (const std::string& warning : fit.warnings())
         notices += "<p class='notice'>" + escape_html(warning) + ".</p>";
     std::string profiles;
     for (const Picture& picture : identified_pictures(*fit.best().found))
         profiles += figure_html(picture.html, picture.caption);
-    const AspirationInstrument& instrument = fit.settings.instrument;
     const std::string frames = film ? film_sections(film->strip, film->time_s, film->apex_mm,
-                                                    instrument.pixel_z_um / instrument.pixel_r_um)
+                                                    film_lines(*film, fit.settings.instrument))
                                     : "";
     return page_html(
         {.kind = film ? "palpate aspirate run" : "palpate aspirate fit",
          .version = version_text(),
-         .headline = escape_html(unknowns_sentence(fit)),
+         .headline = distrust.empty() ? escape_html(tissue_sentence(*fit.best().found))
+                                      : "No values to trust: see below",
          .lead = "<p class='summary'>Tissue that was sucked into a tube: " +
                  escape_html(fit.best().name) + ".</p>",
          .notices = notices,

@@ -22,7 +22,7 @@ fs::path new_folder(const OptionValues& values) {
 }
 
 std::string where_report_is(const fs::path& folder) {
-    return fmt::format("report: {}/report.html\n", folder.string());
+    return fmt::format("report: {}\n", (folder / "report.html").string());
 }
 
 }  // namespace

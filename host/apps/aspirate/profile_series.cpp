@@ -47,19 +47,23 @@ ProfileSeries read_profiles(const std::filesystem::path& path) {
     return series;
 }
 
+ProfilePoint profile_point(const OutlinePoint& point, double column, double axis_column,
+                           const AspirationInstrument& instrument) {
+    const double rim = instrument.rim_thickness_mm, mm = instrument.pixel_z_um / 1000;
+    const bool is_hidden = point.flag == PointFlag::hidden;
+    return {.r_mm = (column - axis_column) * instrument.pixel_r_um / 1000,
+            .z_mm = is_hidden ? rim / 2 : (instrument.base_row_px - point.row) * mm,
+            .sd_mm = is_hidden ? rim / std::sqrt(12.0) : point.sd * mm,
+            .flag = point.flag};
+}
+
 FrameProfile profile_of(const Outline& outline, double time_s, double axis_column,
                         const AspirationInstrument& instrument) {
-    const double radius = 0.5 * instrument.hole_diameter_mm, rim = instrument.rim_thickness_mm;
-    const double mm = instrument.pixel_z_um / 1000;
+    const double radius = 0.5 * instrument.hole_diameter_mm;
     FrameProfile profile{time_s, {}};
     for (std::size_t x = 0; x < outline.size(); ++x) {
-        const OutlinePoint& point = outline[x];
-        const double r_mm = (double(x) - axis_column) * instrument.pixel_r_um / 1000;
-        if (std::abs(r_mm) > radius) continue;
-        const bool is_hidden = point.flag == PointFlag::hidden;
-        const double z_mm = is_hidden ? rim / 2 : (instrument.base_row_px - point.row) * mm;
-        const double sd_mm = is_hidden ? rim / std::sqrt(12.0) : point.sd * mm;
-        profile.points.push_back({r_mm, z_mm, sd_mm, point.flag});
+        const ProfilePoint point = profile_point(outline[x], double(x), axis_column, instrument);
+        if (std::abs(point.r_mm) <= radius) profile.points.push_back(point);
     }
     return profile;
 }

@@ -29,9 +29,13 @@ using ProfileSeries = std::vector<FrameProfile>;
 /// times that go back and an sd that is not above 0.
 ProfileSeries read_profiles(const std::filesystem::path& path);
 
-/// An outline as a profile,
-///     r = (x - axis) pixel_r,   z = (y_base - y) pixel_z,
-/// of what lies within the hole. A hidden point is in the middle of what the rim hides.
+/// The point of column x,
+///     r = (x - axis) pixel_r,   z = (y_base - y) pixel_z.
+/// A hidden point is in the middle of what the rim hides.
+ProfilePoint profile_point(const OutlinePoint& point, double column, double axis_column,
+                           const AspirationInstrument& instrument);
+
+/// An outline as a profile, of what lies within the hole.
 FrameProfile profile_of(const Outline& outline, double time_s, double axis_column,
                         const AspirationInstrument& instrument);
 

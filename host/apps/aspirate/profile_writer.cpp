@@ -14,7 +14,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t frames_for_axis = 10;
 constexpr Index least_pairs = 5;
 constexpr double coarse_step = 0.5, fine_step = 0.05;  // pixels
 

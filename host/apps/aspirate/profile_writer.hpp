@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+/// From so many frames the axis is found where it is not told.
+inline constexpr std::size_t frames_for_axis = 10;
+
 /// The axis of an outline that is alike on both sides.
 struct OutlineAxis {
     double column = 0;     ///< pixels

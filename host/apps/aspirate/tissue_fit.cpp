@@ -38,6 +38,11 @@ constexpr int noise_rounds_for_rest = 2;
 /// Of each number of the tissue: what outlines, the guess of the rest and contact at the rim leave
 /// that no residual shows. Of rendered films (docs/aspiration.md).
 constexpr double model_sd_ln = 0.03;
+/// Of the travel, that a model may leave unexplained: without a word, and at all.
+constexpr double much_unexplained = 0.025, most_unexplained = 0.05;
+constexpr const char* what_to_check =
+    "look at the outlines, and check base_row_px, tissue, axis_column_px, pixels and the times of "
+    "film and suction, then try other laws";
 constexpr double most_instrument_sd = 3;  ///< of its prior, within which the instrument is believed
 
 bool is_rest_error(const std::string& path) { return path.find("rest_error") != std::string::npos; }
@@ -58,10 +63,30 @@ void take_start(const Fit& found, FitOptions& options) {
         options.discrepancy.given.push_back(found.noise->discrepancy(b));
 }
 
+double unexplained_part(const IdentifiedExperiment& found, double travel_mm) {
+    return found.identified.blocks.front().rms / travel_mm;
+}
+
+/// Empty if the model may be one of the film.
+std::string misfit_of(const IdentifiedExperiment& found, double travel_mm) {
+    const double part = unexplained_part(found, travel_mm);
+    if (part <= most_unexplained) return "";
+    return fmt::format(
+        "The model leaves {:.2f} mm (rms) of the heights unexplained, {:.0f} % of the travel: it "
+        "is none of this film, do not trust the values; {}.",
+        found.identified.blocks.front().rms, 100 * part, what_to_check);
+}
+
 /// For each number of the instrument that came out far from what was told of it, and for a surface
 /// at rest that was not found.
-std::vector<std::string> warnings_of(const IdentifiedExperiment& found) {
+std::vector<std::string> warnings_of(const IdentifiedExperiment& found, double travel_mm) {
     std::vector<std::string> warnings;
+    const double part = unexplained_part(found, travel_mm);
+    if (part > much_unexplained && part <= most_unexplained)
+        warnings.push_back(
+            fmt::format("the model leaves {:.3f} mm (rms) unexplained, {:.1f} % of "
+                        "the travel; {}",
+                        found.identified.blocks.front().rms, 100 * part, what_to_check));
     double left_mm = 0;
     for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
         const IdentifiedParameter& one = found.identified.parameters[k];
@@ -74,16 +99,15 @@ std::vector<std::string> warnings_of(const IdentifiedExperiment& found) {
         const double sds =
             std::abs(to_transformed(told, one.value) - to_transformed(told, told.median)) / told.sd;
         if (sds > most_instrument_sd)
-            warnings.push_back(
-                fmt::format("{} came out {:.1f} sd from what was expected of it; measure it, and "
-                            "do not believe the tissue before",
-                            label_of(told), sds));
+            warnings.push_back(fmt::format(
+                "{} came out {:.1f} sd from what was expected of it; check it, base_row_px "
+                "and the pixels, and do not believe the tissue before",
+                label_of(told), sds));
     }
     if (left_mm > most_left_rest_mm)
         warnings.push_back(
-            fmt::format("{:.2f} mm of the surface at rest that the rim hides are in the heights "
-                        "but not in the body; film tissue that stands higher, or take a thinner "
-                        "rim",
+            fmt::format("the surface at rest behind the rim is guessed wrong by {:.2f} mm; film "
+                        "tissue that stands higher, take a thinner rim, or check base_row_px",
                         left_mm));
     return warnings;
 }
@@ -141,7 +165,10 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = num_simulation + problem.num_simulation();
     check_mesh(configure, found, progress, model_sd_ln);
-    tried.warnings = warnings_of(found);
+    const double travel_mm =
+        *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end());
+    found.misfit = misfit_of(found, travel_mm);
+    tried.warnings = warnings_of(found, travel_mm);
     found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return tried;
 }
@@ -178,7 +205,7 @@ Outcome fit_tissue(const AspirationSettings& settings, const Suction& suction,
     write_text_file(inside / fit_result_file, tree_json(outcome.result));
     write_text_file(inside / "report.html", fit_page(all, outcome.result, film));
     outcome.text = fit_text(all);
-    outcome.exit_code = best.found->converged() ? 0 : exit_code_not_converged;
+    outcome.exit_code = best.found->distrust().empty() ? 0 : exit_code_not_converged;
     return outcome;
 }
 

@@ -51,6 +51,7 @@ AspirationBody AspirationBody::of(const AspirationSettings& settings) {
     body.depth_mm = settings.depth_mm;
     body.width_mm = settings.width_mm;
     body.friction = settings.friction;
+    body.refine = settings.refine;
     return body;
 }
 

@@ -143,10 +143,15 @@ void read_instrument(const SettingsTable& table, const fs::path& folder, Aspirat
     read_camera(table, folder, read, reader, part != AspirationPart::tissue);
 }
 
-void read_frames(const SettingsTable& table, const fs::path& folder, AspirationInstrument& read) {
+/// The table of times is read only if there are frames to be timed.
+void read_frames(const SettingsTable& table, const fs::path& folder, AspirationInstrument& read,
+                 bool is_needed) {
     table.allow_keys({"rate_hz", "times", "method"});
+    if (const auto method = table.choice("method", {"path", "published"}))
+        read.is_published = *method == "published";
     if (const auto file = table.text("times")) {
         if (table.has("rate_hz")) table.refuse("times", "give either times or rate_hz");
+        if (!is_needed) return;
         const NumberTable times = read_number_table(folder / *file);
         read.frame_time_s = times.values("time_s");
         for (std::size_t k = 1; k < read.frame_time_s.size(); ++k)
@@ -157,8 +162,6 @@ void read_frames(const SettingsTable& table, const fs::path& folder, AspirationI
     } else {
         read.rate_hz = table.number("rate_hz", {0, 1e6, true}).value_or(0);
     }
-    if (const auto method = table.choice("method", {"path", "published"}))
-        read.is_published = *method == "published";
 }
 
 std::vector<std::string> read_laws(const SettingsTable& table) {
@@ -189,7 +192,7 @@ std::vector<int> read_terms(const SettingsTable& table) {
 
 void read_tissue(const SettingsTable& table, AspirationSettings& read, const NumberReader& reader) {
     table.allow_keys({"depth_mm", "width_mm", "laws", "relaxation_terms", "kappa_over_shear",
-                      "friction", "steps"});
+                      "friction", "steps", "refine"});
     if (const auto depth = reader.read(table, "depth_mm", length_mm)) read.depth_mm = *depth;
     read.width_mm = table.number("width_mm", length_mm).value_or(read.width_mm);
     if (read.width_mm < 0.6 * read.outer_diameter_mm)
@@ -205,6 +208,7 @@ void read_tissue(const SettingsTable& table, AspirationSettings& read, const Num
     else if (const auto friction = reader.read(table, "friction", {0, stick_friction}, true))
         read.friction = *friction;
     read.steps = table.whole_number("steps", 12, 400).value_or(read.steps);
+    read.refine = table.whole_number("refine", 1, 4).value_or(read.refine);
 }
 
 SupposedTissue read_supposed(const SettingsTable& table) {
@@ -222,7 +226,7 @@ SupposedTissue read_supposed(const SettingsTable& table) {
 }  // namespace
 
 ContourSettings AspirationInstrument::contours(Index width, Index height) const {
-    const double visible = base_row_px - 1000 * rim_thickness_mm / pixel_z_um;
+    const double visible = visible_row();
     if (base_row_px >= double(height) || visible < 24)
         throw Error(
             ErrorCode::input_unusable,
@@ -243,22 +247,16 @@ double AspirationInstrument::time_s(Index frame) const {
     return frame_time_s[std::size_t(frame)];
 }
 
-AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart part) {
-    if (const auto why = why_unreadable(path))
-        throw Error(ErrorCode::input_unreadable,
-                    fmt::format("cannot read '{}': {}; check the path", path.string(), *why));
-    std::ifstream in(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
+AspirationSettings parse_aspiration_settings(const std::string& text, const std::string& name,
+                                             const fs::path& folder, AspirationPart part) {
     const NumberReader reader;
-    const SettingsTable all =
-        SettingsTable::parse(text, path.filename().string(), reader.resolver());
+    const SettingsTable all = SettingsTable::parse(text, name, reader.resolver());
     all.allow_keys({"instrument", "frames", "pressure", "tissue", "supposed"});
-    const fs::path folder = path.parent_path();
     AspirationSettings read;
     const auto instrument = all.table("instrument"), frames = all.table("frames");
     if (!instrument) all.missing("instrument", "a table [instrument]");
     read_instrument(*instrument, folder, read, reader, part);
-    if (frames) read_frames(*frames, folder, read.instrument);
+    if (frames) read_frames(*frames, folder, read.instrument, part != AspirationPart::tissue);
     if (const auto pressure = all.table("pressure")) {
         pressure->allow_keys({"delay_s", "time_s", "suction_mbar", "suction_kpa"});
         if (const auto delay = reader.read(*pressure, "delay_s", {-10, 10})) read.delay_s = *delay;
@@ -272,6 +270,15 @@ AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart
     if (const auto tissue = all.table("tissue")) read_tissue(*tissue, read, reader);
     if (const auto supposed = all.table("supposed")) read.supposed = read_supposed(*supposed);
     return read;
+}
+
+AspirationSettings read_aspiration_settings(const fs::path& path, AspirationPart part) {
+    if (const auto why = why_unreadable(path))
+        throw Error(ErrorCode::input_unreadable,
+                    fmt::format("cannot read '{}': {}; check the path", path.string(), *why));
+    std::ifstream in(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    return parse_aspiration_settings(text, path.filename().string(), path.parent_path(), part);
 }
 
 }  // namespace palpate

@@ -34,6 +34,8 @@ struct AspirationInstrument {
     /// there.
     std::optional<std::array<Index, 4>> crop_px;
 
+    /// From this row on the rim hides the tissue.
+    double visible_row() const { return base_row_px - 1000 * rim_thickness_mm / pixel_z_um; }
     /// For frames of this size. Throws Error(input_unusable) if the rim is not in them.
     ContourSettings contours(Index width, Index height) const;
     /// Whether frames are timed here; if not, the film has to say.
@@ -65,14 +67,20 @@ struct AspirationSettings {
     SettingNumber friction;
     bool sticks = false;  ///< no slip on the tube
     int steps = 32;       ///< that the cycle is solved in
+    int refine = 1;       ///< the usual cells are divided in so many a side
     std::optional<SupposedTissue> supposed;
 };
 
 /// Which tables of a settings file are needed; others are read where they are there.
 enum class AspirationPart : std::uint8_t { frames, tissue, both };
 
-/// Throws Error(invalid_argument), Error(input_unreadable), and Error(input_unusable) for a table
-/// of times that do not ascend.
+/// `name` stands in messages; files that the text names lie in `folder`. Throws
+/// Error(invalid_argument), Error(input_unreadable), and Error(input_unusable) for a table of times
+/// that do not ascend.
+AspirationSettings parse_aspiration_settings(const std::string& text, const std::string& name,
+                                             const std::filesystem::path& folder,
+                                             AspirationPart part);
+/// The same from a file.
 AspirationSettings read_aspiration_settings(const std::filesystem::path& path, AspirationPart part);
 
 }  // namespace palpate

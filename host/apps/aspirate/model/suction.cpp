@@ -34,9 +34,9 @@ void check(const Suction& suction, const std::string& source) {
             refuse(source, fmt::format("times must ascend; there is {:g} s after {:g} s",
                                        suction.time_s[k], suction.time_s[k - 1]));
         if (mbar < least_reading_mbar || mbar > most_suction_mbar)
-            refuse(source, fmt::format("the suction is {:g} mbar at {:g} s; allowed: 0 to {:g}, "
-                                       "positive where it sucks",
-                                       mbar, suction.time_s[k], most_suction_mbar));
+            refuse(source, fmt::format("the suction is {:g} mbar ({:g} kPa) at {:g} s; allowed: 0 "
+                                       "to {:g} mbar, positive where it sucks; check its unit, too",
+                                       mbar, suction.kpa[k], suction.time_s[k], most_suction_mbar));
     }
     const double peak_kpa = suction.peak_kpa();
     if (peak_kpa < least_peak_mbar * kpa_per_mbar)
@@ -99,6 +99,10 @@ double Suction::begin_s() const {
 Suction read_suction(const std::filesystem::path& path) {
     const NumberTable table = read_number_table(path);
     const bool is_mbar = table.find("suction_mbar").has_value();
+    if (!is_mbar && !table.find("suction_kpa"))
+        throw Error(ErrorCode::input_unreadable,
+                    fmt::format("{}: no column 'suction_mbar' or 'suction_kpa'; give one of both",
+                                table.source));
     std::vector<double> kpa = table.values(is_mbar ? "suction_mbar" : "suction_kpa");
     if (is_mbar)
         for (double& value : kpa) value *= kpa_per_mbar;
