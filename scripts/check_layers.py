@@ -84,7 +84,7 @@ ALLOWED = {
     "host/faces/cli": PAGES + FACES + ["host/apps/export", "host/cohort"],
     "host/faces/slicer": PAGES + RECOVER + ["host/apps/recover/run"],
     "host/faces/python": ["host/faces/capi"],
-    "host/faces/capi": PAGES + FACES + RECOVER + ["host/apps/phantom"],
+    "host/faces/capi": PAGES + FACES + RECOVER + ["host/apps/phantom", "host/apps/aspirate"],
 }
 for position, folder in enumerate(GEOMETRY):
     if folder.startswith("host/geometry"):

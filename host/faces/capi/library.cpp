@@ -40,4 +40,4 @@ const char* palpate_version(void) {
     return text.c_str();
 }
 
-int palpate_abi_version(void) { return 2003; }
+int palpate_abi_version(void) { return 2004; }

@@ -296,6 +296,44 @@ PALPATE_API const char* palpate_outcome_json(const palpate_outcome* outcome);
 /* Null is allowed. */
 PALPATE_API palpate_status palpate_outcome_free(palpate_outcome* outcome);
 
+/* ---- Aspiration: the outline of sucked tissue, frame by frame -------------------------------- */
+
+/* Since palpate_abi_version() 2004, as all that follows. */
+typedef struct palpate_tracker palpate_tracker;
+
+/* Follows the edge of tissue in a film, as `palpate aspirate contours` does: a frame goes in, its
+ * profile comes out at once. For a live camera.
+ *   settings_toml  the tables [instrument] and [frames] of an aspiration's settings
+ *   folder         where files lie that the settings name; null: the current folder
+ *   width, height  of frames, pixels
+ *   tracker        receives a handle for palpate_tracker_free */
+PALPATE_API palpate_status palpate_tracker_create(const char* settings_toml, const char* folder,
+                                                  int32_t width, int32_t height,
+                                                  palpate_tracker** tracker);
+/* Null is allowed. */
+PALPATE_API palpate_status palpate_tracker_free(palpate_tracker* tracker);
+/* Of a profile: the frame's width, or that of `crop_px`. */
+PALPATE_API int32_t palpate_tracker_num_columns(const palpate_tracker* tracker);
+/* The profile in the next frame. Null for what is not asked for.
+ *   grey   [height, width] pixels, rows from the top: bytes where `white` is at most 255, 16-bit
+ *          words of this machine above
+ *   white  grey of white, 1 to 65535: 255, or 4095 of a camera of 12 bits
+ *   z_mm   [columns] height of the edge above the rim's lower face, mm
+ *   sd_mm  [columns] its standard deviation
+ *   flag   [columns] 0 ok; 1 guessed, cues disagree; 2 hidden behind the rim, z is the middle of
+ *          what it hides; 3 lost */
+PALPATE_API palpate_status palpate_tracker_add(palpate_tracker* tracker, const void* grey,
+                                               int32_t white, double* z_mm, double* sd_mm,
+                                               uint8_t* flag);
+/* Where the tube's axis is. If settings do not tell, the frames so far do, and stay with what the
+ * first ten say; PALPATE_INPUT_UNUSABLE before the first. Null for what is not asked for.
+ *   axis_column_px  in whole frames
+ *   r_mm            [columns] distance from the axis, negative left of it
+ *   hole_radius_mm  a profile is what lies within */
+PALPATE_API palpate_status palpate_tracker_axis(const palpate_tracker* tracker,
+                                                double* axis_column_px, double* r_mm,
+                                                double* hole_radius_mm);
+
 #ifdef __cplusplus
 }
 #endif

@@ -15,4 +15,5 @@ NB_MODULE(_core, m) {
     palpate_python::add_recovery(m);
     palpate_python::add_phantom(m);
     palpate_python::add_application(m);
+    palpate_python::add_tracker(m);
 }

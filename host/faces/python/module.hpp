@@ -13,5 +13,6 @@ void add_solver(nb::module_& module);
 void add_recovery(nb::module_& module);
 void add_phantom(nb::module_& module);
 void add_application(nb::module_& module);
+void add_tracker(nb::module_& module);
 
 }  // namespace palpate_python

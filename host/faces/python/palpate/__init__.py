@@ -8,10 +8,11 @@ from . import _blas_kernels  # before the library that computes with them is loa
 from ._core import PalpateError
 from ._core import version as _version
 from . import applications
-from .applications import Outcome, run
+from .applications import Outcome, identify, run
+from .aspiration import ContourTracker, Contours, Profile, contours
 from .recovery import LabelVolume, Phantom, Result, phantom, recover
 from .solver import Solver
 
 __version__ = _version().split()[0]
-__all__ = ["LabelVolume", "Outcome", "PalpateError", "Phantom", "Result", "Solver", "applications",
-           "phantom", "recover", "run"]
+__all__ = ["ContourTracker", "Contours", "LabelVolume", "Outcome", "PalpateError", "Phantom", "Profile", "Result",
+           "Solver", "applications", "contours", "identify", "phantom", "recover", "run"]
