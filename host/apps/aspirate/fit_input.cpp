@@ -20,8 +20,8 @@ constexpr double above_rim_mm = 0.12;  // points nearer to the line of visibilit
 constexpr Index least_in_bin = 4, least_frames = 8;
 constexpr double most_side_difference_mm = 0.3, least_travel_mm = 0.05;
 constexpr double begin_tolerance_s = 1e-6, rest_part = 0.03;
-constexpr double long_gap = 5;          // times the usual distance
-constexpr double weak_suction_kpa = 2;  // 20 mbar: few instruments suck so little
+constexpr double long_gap = 5;            // times the usual distance
+constexpr double weak_suction_kpa = 1.2;  // 12 mbar: what usual kPa are, read as mbar
 constexpr double first_mm = 0.25, first_part = 0.3;
 // e^(gamma x) is how much stiffer tissue is at the peak, x = 1.3 (travel / hole radius)^2
 constexpr double stretch_factor = 1.3;

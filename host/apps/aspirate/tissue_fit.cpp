@@ -39,7 +39,8 @@ constexpr int noise_rounds_for_rest = 2;
 /// that no residual shows. Of rendered films (docs/aspiration.md).
 constexpr double model_sd_ln = 0.03;
 /// Of the travel, that a model may leave unexplained: without a word, and at all.
-constexpr double much_unexplained = 0.025, most_unexplained = 0.05;
+constexpr double much_unexplained = 0.03, most_unexplained = 0.05;
+constexpr double sd_over_median = 1.4826;
 constexpr const char* what_to_check =
     "look at the outlines, and check base_row_px, tissue, axis_column_px, pixels and the times of "
     "film and suction, then try other laws";
@@ -63,30 +64,35 @@ void take_start(const Fit& found, FitOptions& options) {
         options.discrepancy.given.push_back(found.noise->discrepancy(b));
 }
 
-double unexplained_part(const IdentifiedExperiment& found, double travel_mm) {
-    return found.identified.blocks.front().rms / travel_mm;
+/// What the model leaves of most heights, as an sd: 1.48 times the median, so that a stain that
+/// was taken for tissue in some frames says nothing about the model.
+double unexplained_mm(const IdentifiedExperiment& found) {
+    const DataBlock& block = found.fit.prediction->blocks.front();
+    Eigen::VectorXd away = (block.measured - block.predicted).cwiseAbs();
+    const auto middle = away.begin() + away.size() / 2;
+    std::nth_element(away.begin(), middle, away.end());
+    return sd_over_median * *middle;
 }
 
 /// Empty if the model may be one of the film.
 std::string misfit_of(const IdentifiedExperiment& found, double travel_mm) {
-    const double part = unexplained_part(found, travel_mm);
+    const double left_mm = unexplained_mm(found), part = left_mm / travel_mm;
     if (part <= most_unexplained) return "";
     return fmt::format(
-        "The model leaves {:.2f} mm (rms) of the heights unexplained, {:.0f} % of the travel: it "
-        "is none of this film, do not trust the values; {}.",
-        found.identified.blocks.front().rms, 100 * part, what_to_check);
+        "The model leaves {:.2f} mm of the heights unexplained, {:.0f} % of the travel: it is none "
+        "of this film, do not trust the values; {}.",
+        left_mm, 100 * part, what_to_check);
 }
 
 /// For each number of the instrument that came out far from what was told of it, and for a surface
 /// at rest that was not found.
 std::vector<std::string> warnings_of(const IdentifiedExperiment& found, double travel_mm) {
     std::vector<std::string> warnings;
-    const double part = unexplained_part(found, travel_mm);
+    const double much_mm = unexplained_mm(found), part = much_mm / travel_mm;
     if (part > much_unexplained && part <= most_unexplained)
         warnings.push_back(
-            fmt::format("the model leaves {:.3f} mm (rms) unexplained, {:.1f} % of "
-                        "the travel; {}",
-                        found.identified.blocks.front().rms, 100 * part, what_to_check));
+            fmt::format("the model leaves {:.3f} mm unexplained, {:.1f} % of the travel; {}",
+                        much_mm, 100 * part, what_to_check));
     double left_mm = 0;
     for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
         const IdentifiedParameter& one = found.identified.parameters[k];
