@@ -11,6 +11,7 @@ namespace palpate {
 template <typename Real>
 struct NeoHookeanReducedLaw : ReducedLaw<NeoHookeanReducedLaw<Real>, Real> {
     Real mu;
+    Real kappa;
 
     static MaterialDescription description() {
         return {"neo-hookean-reduced",

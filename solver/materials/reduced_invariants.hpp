@@ -68,15 +68,14 @@ PALPATE_DEVICE ParameterResponse<Real> reduced_parameter_response(const FiniteSt
             kappa * (1 + change) * change};
 }
 
-/// From psi to a response. A law derives from it and has `potential(x)`, and `potential_slope(x,
-/// k)` and `kappa_slope(k)` by parameter k.
+/// From psi to a response. A law derives from it and has `kappa`, `potential(x)`, and
+/// `potential_slope(x, k)` and `kappa_slope(k)` by parameter k. There is no member here: devices
+/// read a law's members in their order.
 template <class Law, typename Real>
 struct ReducedLaw : FiniteStrainLaw<Law, Real> {
-    Real kappa;
-
     PALPATE_DEVICE Response<Real> response(const FiniteStrain<Real>& strain) const {
         const Real x = distortion(strain);
-        return reduced_response(strain, x, reduced().potential(x), kappa);
+        return reduced_response(strain, x, reduced().potential(x), reduced().kappa);
     }
 
     PALPATE_DEVICE ParameterResponse<Real> parameter_response(const FiniteStrain<Real>& strain,

@@ -12,7 +12,8 @@ template <typename Real>
 struct ReducedPolynomialLaw : ReducedLaw<ReducedPolynomialLaw<Real>, Real> {
     Real c1;
     Real c2;
-    Real kappa_by_d1;  ///< of kappa = 2 / D1
+    Real kappa;        ///< 2 / D1
+    Real kappa_by_d1;  ///< its derivative
 
     static MaterialDescription description() {
         return {"reduced-polynomial",

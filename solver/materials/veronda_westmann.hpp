@@ -24,6 +24,7 @@ struct VerondaWestmannLaw : ReducedLaw<VerondaWestmannLaw<Real>, Real> {
 
     Real mu;
     Real gamma;
+    Real kappa;
 
     static MaterialDescription description() {
         return {"veronda-westmann",

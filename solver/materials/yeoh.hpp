@@ -14,6 +14,7 @@ struct YeohLaw : ReducedLaw<YeohLaw<Real>, Real> {
     Real c1;
     Real c2;
     Real c3;
+    Real kappa;
 
     static MaterialDescription description() {
         return {"yeoh",
