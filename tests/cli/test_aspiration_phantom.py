@@ -39,8 +39,7 @@ def test_outlines_of_a_perfect_film_are_those_of_its_truth(perfect, tmp_path):
     assert result["axis_column_px"] == pytest.approx(89.5, abs=0.1)
     assert result["travel_mm"] == pytest.approx(truth["travel_mm"], abs=0.01)
     found, true = points(tmp_path / "out/profiles.csv"), points(perfect / "profiles_true.csv")
-    # beside the wall the surface is steep: what is found there lies up to 1.5 pixels too high, and its sd says so
-    both = [key for key in true if key in found and abs(key[1] - 89.5) < 50]
+    both = [key for key in true if key in found and abs(key[1] - 89.5) < 60]
     errors = numpy.array([found[key][0] - true[key][0] for key in both]) / 0.03175
     wide = [key for key in true if key in found and true[key][0] > 0.7]
     held = numpy.mean([abs(found[key][0] - true[key][0]) <= 1.96 * found[key][1] for key in wide])

@@ -24,13 +24,14 @@ constexpr float most_spread = 0.4F;   // of the tissue's light, as a part of it
 constexpr float darkest_part = 0.5F;  // of the tissue's median light
 constexpr float slope_share = 0.5F;
 constexpr float guess_weight = 0.1F;
-constexpr float jump_weight = 0.4F;  // per row from where the frame before lets expect it
-constexpr float most_jump = 12;      // rows
-constexpr Index step_rows = 5;       // that the means of a step are taken of
-constexpr Index far_rows = 3;        // another outline differs by more
-constexpr float least_margin = 9;    // of costs, or the outline is a guess
-constexpr Index edge_reach = 2;      // rows from the path to the steepest place
-constexpr double sd_sigmas = 2;      // of the point's own error, too, at most half a pixel more
+constexpr float jump_weight = 0.4F;    // per row from where the frame before lets expect it
+constexpr float most_jump = 12;        // rows
+constexpr Index step_rows = 5;         // that the means of a step are taken of
+constexpr Index far_rows = 3;          // another outline differs by more
+constexpr float least_margin = 9;      // of costs, or the outline is a guess
+constexpr Index edge_reach = 2;        // rows from the path to the steepest place
+constexpr double most_more_reach = 4;  // rows, on a flank
+constexpr double sd_sigmas = 2;        // of the point's own error, too, at most half a pixel more
 constexpr double most_more = 0.5;
 constexpr double fair_sd = 2.5;  // pixels, of a fitted edge; beyond it the path knows better
 // A step that is not the tissue's makes an error of share (|ln of their quotient| - free)
@@ -302,13 +303,15 @@ void ContourTracker::fit_edges() {
         const float* r = &residual_[x * stride_];
         Index steepest = y;
         const auto slope = [&](Index at) { return r[at + 1] + r[at] - r[at - 1] - r[at - 2]; };
-        for (Index at = y - edge_reach; at <= std::min(y + edge_reach, rows_ - 1); ++at)
-            if (slope(at) > slope(steepest)) steepest = at;
         const Index left = std::max<Index>(0, x - 3), right = std::min(width_ - 1, x + 3);
         const double tilt =
             shape_.is_fitted() && has_last_
                 ? shape_.slope(x)
                 : double(visible_row(right) - visible_row(left)) / double(right - left);
+        // a path bends at a cost: on a flank it may cut the corner by as much as it turns
+        const Index reach = edge_reach + Index(std::min(std::abs(tilt), most_more_reach));
+        for (Index at = std::max<Index>(2, y - reach); at <= std::min(y + reach, rows_ - 1); ++at)
+            if (slope(at) > slope(steepest)) steepest = at;
         const double widened = std::sqrt(1 + std::min(tilt * tilt, 9.0));
         const FittedEdge edge =
             fit_edge(r, rows_ + 3, double(steepest) - 0.5, blur_ * widened, 0, background_.sigma());
