@@ -14,7 +14,6 @@
 namespace palpate {
 namespace {
 
-constexpr Index least_pairs = 5;
 constexpr double coarse_step = 0.5, fine_step = 0.05;  // pixels
 
 /// The row between columns; empty beside points without a flag.
@@ -44,7 +43,7 @@ OutlineAxis about(const std::vector<Outline>& outlines, double column) {
 
 OutlineAxis find_axis(const std::vector<Outline>& outlines) {
     const double middle = outlines.empty() ? 0 : 0.5 * double(outlines[0].size() - 1);
-    const Index enough = std::max(least_pairs, about(outlines, middle).num_pairs / 2);
+    const Index enough = std::max(least_axis_pairs, about(outlines, middle).num_pairs / 2);
     OutlineAxis best = about(outlines, middle);
     const auto search = [&](double from, double to, double step) {
         for (double column = from; column <= to; column += step) {

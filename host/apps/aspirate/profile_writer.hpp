@@ -13,6 +13,7 @@ namespace palpate {
 
 /// From so many frames the axis is found where it is not told.
 inline constexpr std::size_t frames_for_axis = 10;
+inline constexpr Index least_axis_pairs = 5;  ///< of columns that are compared
 
 /// The axis of an outline that is alike on both sides.
 struct OutlineAxis {

@@ -304,7 +304,7 @@ typedef struct palpate_tracker palpate_tracker;
 /* Follows the edge of tissue in a film, as `palpate aspirate contours` does: a frame goes in, its
  * profile comes out at once. For a live camera.
  *   settings_toml  the tables [instrument] and [frames] of an aspiration's settings
- *   folder         where files lie that the settings name; null: the current folder
+ *   folder         where a `calibration` that the settings name lies; null: the current folder
  *   width, height  of frames, pixels
  *   tracker        receives a handle for palpate_tracker_free */
 PALPATE_API palpate_status palpate_tracker_create(const char* settings_toml, const char* folder,
@@ -312,24 +312,23 @@ PALPATE_API palpate_status palpate_tracker_create(const char* settings_toml, con
                                                   palpate_tracker** tracker);
 /* Null is allowed. */
 PALPATE_API palpate_status palpate_tracker_free(palpate_tracker* tracker);
-/* Of a profile: the frame's width, or that of `crop_px`. */
+/* Of a profile: the frame's width, or that of `crop_px`; 0 for what is no handle. */
 PALPATE_API int32_t palpate_tracker_num_columns(const palpate_tracker* tracker);
-/* The profile in the next frame. Null for what is not asked for.
- *   grey   [height, width] pixels, rows from the top: bytes where `white` is at most 255, 16-bit
- *          words of this machine above
- *   white  grey of white, 1 to 65535: 255, or 4095 of a camera of 12 bits
- *   z_mm   [columns] height of the edge above the rim's lower face, mm
- *   sd_mm  [columns] its standard deviation
- *   flag   [columns] 0 ok; 1 guessed, cues disagree; 2 hidden behind the rim, z is the middle of
- *          what it hides; 3 lost */
+/* The profile in the next frame, of all columns, those beyond the hole, too. Null for what is not
+ * asked for. Black frames are not refused: look at the flags.
+ *   grey   [height, width] pixels, rows from the top, without gaps: bytes where `white` is at most
+ *          255, aligned 16-bit words of this machine above
+ *   white  grey of white, 1 to 65535: 255, or 4095 of a camera of 12 bits; what is brighter is
+ * white z_mm   [columns] height of the edge above the rim's lower face, mm sd_mm  [columns] its
+ * standard deviation flag   [columns] 0 ok; 1 guessed, cues disagree; 2 hidden behind the rim, z is
+ * the middle of what it hides; 3 lost. Heights of 1 and 3 are guesses */
 PALPATE_API palpate_status palpate_tracker_add(palpate_tracker* tracker, const void* grey,
                                                int32_t white, double* z_mm, double* sd_mm,
                                                uint8_t* flag);
-/* Where the tube's axis is. If settings do not tell, the frames so far do, and stay with what the
- * first ten say; PALPATE_INPUT_UNUSABLE before the first. Null for what is not asked for.
- *   axis_column_px  in whole frames
- *   r_mm            [columns] distance from the axis, negative left of it
- *   hole_radius_mm  a profile is what lies within */
+/* Where the tube's axis is. If settings do not tell, the frames so far that show tissue do, and
+ * stay with what the first ten of them say; PALPATE_INPUT_UNUSABLE before the first. Null for what
+ * is not asked for. axis_column_px  in whole frames r_mm            [columns] distance from the
+ * axis, negative left of it hole_radius_mm  a profile is what lies within */
 PALPATE_API palpate_status palpate_tracker_axis(const palpate_tracker* tracker,
                                                 double* axis_column_px, double* r_mm,
                                                 double* hole_radius_mm);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -42,7 +43,7 @@ void take_grey(const void* grey, int white, GreyFrame& frame) {
     const float scale = float(brightest_byte) / float(white);
     const auto take = [&](const auto* pixels) {
         for (std::size_t n = 0; n < frame.grey.size(); ++n)
-            frame.grey[n] = white == brightest_byte ? float(pixels[n]) : scale * float(pixels[n]);
+            frame.grey[n] = std::min(scale * float(pixels[n]), float(brightest_byte));
     };
     if (white <= brightest_byte)
         take(static_cast<const std::uint8_t*>(grey));
@@ -50,9 +51,10 @@ void take_grey(const void* grey, int white, GreyFrame& frame) {
         take(static_cast<const std::uint16_t*>(grey));
 }
 
-/// Ten frames tell the axis, as they do where a film is read from files.
+/// Ten frames tell the axis, as they do where a film is read from files; those in which tissue is
+/// not seen yet say nothing.
 void learn_axis(palpate_tracker& tracker, const Outline& outline) {
-    if (tracker.axis_column) return;
+    if (tracker.axis_column || find_axis({outline}).num_pairs < least_axis_pairs) return;
     tracker.first.push_back(outline);
     if (tracker.first.size() < frames_for_axis) return;
     tracker.axis_column = find_axis(tracker.first).column;
@@ -73,7 +75,7 @@ palpate_status palpate_tracker_create(const char* settings_toml, const char* fol
                         fmt::format("frames have {} x {} pixels; allowed: 1 to {} a side", width,
                                     height, most_pixels_a_side));
         const auto settings = parse_aspiration_settings(
-            settings_toml, "settings", folder ? folder : "", AspirationPart::frames);
+            settings_toml, "settings", folder ? folder : "", AspirationPart::camera);
         auto made = std::make_unique<palpate_tracker>(settings.instrument);
         made->frame = {width, height, std::vector<float>(std::size_t(width) * std::size_t(height))};
         made->finder.begin(width, height);
@@ -122,7 +124,8 @@ palpate_status palpate_tracker_axis(const palpate_tracker* tracker, double* axis
         const auto held = capi::hold(tracker, "the tracker");
         if (!tracker->axis_column && tracker->first.empty())
             throw Error(ErrorCode::input_unusable,
-                        "no frame has told where the axis is; add one, or give axis_column_px");
+                        "no frame with tissue has told where the axis is; add one, or give "
+                        "axis_column_px");
         const double axis =
             tracker->axis_column ? *tracker->axis_column : find_axis(tracker->first).column;
         if (axis_column_px)

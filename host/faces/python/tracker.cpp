@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 
 #include <memory>
+#include <mutex>
 
 #include "host/faces/python/arrays.hpp"
 #include "host/faces/python/call.hpp"
@@ -39,6 +40,7 @@ public:
         palpate_status status = PALPATE_OK;
         {
             nb::gil_scoped_release free;
+            const std::lock_guard lock(mutex_);
             status = palpate_tracker_add(handle_.get(), frame.data(), white, z_mm.data(),
                                          sd_mm.data(), flags);
         }
@@ -51,7 +53,13 @@ public:
     nb::tuple axis() const {
         double column = 0, radius_mm = 0;
         Array r_mm = new_array({columns_});
-        check(palpate_tracker_axis(handle_.get(), &column, r_mm.data(), &radius_mm));
+        palpate_status status = PALPATE_OK;
+        {
+            nb::gil_scoped_release free;
+            const std::lock_guard lock(mutex_);
+            status = palpate_tracker_axis(handle_.get(), &column, r_mm.data(), &radius_mm);
+        }
+        check(status);
         return nb::make_tuple(column, r_mm, radius_mm);
     }
 
@@ -60,6 +68,7 @@ private:
         void operator()(palpate_tracker* tracker) const { palpate_tracker_free(tracker); }
     };
     std::unique_ptr<palpate_tracker, Free> handle_;
+    mutable std::mutex mutex_;  ///< a handle is for one thread at a time
     std::size_t width_, height_, columns_ = 0;
 };
 

@@ -131,7 +131,7 @@ void read_instrument(const SettingsTable& table, const fs::path& folder, Aspirat
     read.instrument.rim_thickness_mm =
         needed(table, "rim_thickness_mm", {0, 50}, "0.5, for example");
     const auto edge = reader.read(table, "edge_radius_mm", length_mm);
-    if (part != AspirationPart::frames)
+    if (part == AspirationPart::tissue || part == AspirationPart::both)
         read.edge_radius_mm = needed(edge, table, "edge_radius_mm",
                                      "0.2, or {value = 0.2, sd = 0.05} where it is not exact");
     read.outer_diameter_mm =
@@ -256,7 +256,9 @@ AspirationSettings parse_aspiration_settings(const std::string& text, const std:
     const auto instrument = all.table("instrument"), frames = all.table("frames");
     if (!instrument) all.missing("instrument", "a table [instrument]");
     read_instrument(*instrument, folder, read, reader, part);
-    if (frames) read_frames(*frames, folder, read.instrument, part != AspirationPart::tissue);
+    if (frames)
+        read_frames(*frames, folder, read.instrument,
+                    part == AspirationPart::frames || part == AspirationPart::both);
     if (const auto pressure = all.table("pressure")) {
         pressure->allow_keys({"delay_s", "time_s", "suction_mbar", "suction_kpa"});
         if (const auto delay = reader.read(*pressure, "delay_s", {-10, 10})) read.delay_s = *delay;

@@ -72,7 +72,12 @@ struct AspirationSettings {
 };
 
 /// Which tables of a settings file are needed; others are read where they are there.
-enum class AspirationPart : std::uint8_t { frames, tissue, both };
+enum class AspirationPart : std::uint8_t {
+    frames,
+    tissue,
+    both,
+    camera,  ///< frames that nobody times
+};
 
 /// `name` stands in messages; files that the text names lie in `folder`. Throws
 /// Error(invalid_argument), Error(input_unreadable), and Error(input_unusable) for a table of times

@@ -73,14 +73,16 @@ class ContourTracker:
         """The profile in the next frame.
 
         frame  [height, width] of 8-bit or 16-bit grey, rows from the top
-        white  grey of white; default: 255 or 65535. A camera of 12 bits says 4095
+        white  grey of white; default: 255 or 65535. A camera of 12 bits says 4095. What is brighter is white
         """
         grey = np.ascontiguousarray(frame)
+        if grey.ndim != 2:
+            raise TypeError(f"a frame is grey, [height, width], not of shape {grey.shape}")
         if grey.dtype not in (np.uint8, np.uint16):
             raise TypeError(f"a frame has 8-bit or 16-bit grey (uint8, uint16), not {grey.dtype}")
         chosen = int(np.iinfo(grey.dtype).max) if white is None else white
         if grey.dtype == np.uint16 and chosen <= 255:  # the library reads bytes then
-            grey = grey.astype(np.uint8)
+            grey = np.minimum(grey, 255).astype(np.uint8)
         if grey.dtype == np.uint8 and chosen > 255:
             grey = grey.astype(np.uint16)
         add = self._tracker.add_bytes if grey.dtype == np.uint8 else self._tracker.add_words
@@ -88,7 +90,8 @@ class ContourTracker:
 
     @property
     def axis_column_px(self) -> float:
-        """Of the tube's axis: as the settings say, or as the frames so far tell, and from the tenth on for good."""
+        """Of the tube's axis: as the settings say, or as the frames that show tissue tell, and from the tenth of them on
+        for good. Raises PalpateError before the first."""
         return float(self._tracker.axis()[0])
 
     @property
@@ -109,12 +112,15 @@ def contours(frames: Iterable[Frame], config: Union[str, "os.PathLike[str]"],
 
     config, white  as of `ContourTracker`
 
-    A film is not refused here for what `palpate aspirate contours` refuses (lost outlines, unequal sides): look at `flag`.
+    A film is not refused here for what `palpate aspirate contours` refuses (black or white frames, lost outlines, tissue
+    that is brighter or darker than told, unequal sides): look at `flag`. Raises PalpateError where no outline tells the axis.
     """
     tracker: Optional[ContourTracker] = None
     found: List[Profile] = []
     for frame in frames:
         if tracker is None:
+            if np.ndim(frame) != 2:
+                raise TypeError(f"a frame is grey, [height, width], not of shape {np.shape(frame)}")
             height, width = np.shape(frame)
             tracker = ContourTracker(config, width, height)
         found.append(tracker.add(frame, white))
