@@ -221,7 +221,8 @@ def test_tissue_that_is_darker_than_told_is_refused(settings, tmp_path):
         finished = run_palpate("aspirate", "contours", write_frames(tmp_path / told, shown), "--config", settings,
                                "--out", tmp_path / "out")
         assert finished.returncode == 4, finished.stdout
-        assert "tissue" in finished.stderr and not (tmp_path / "out").exists()
+        other = {"darker": "brighter", "brighter": "darker"}[told]
+        assert f'set tissue = "{other}"' in finished.stderr and not (tmp_path / "out").exists()
 
 
 def test_the_axis_is_told_in_whole_frames(settings, tmp_path):

@@ -46,6 +46,7 @@ def test_tissue_comes_back_with_intervals(sucked, tmp_path):
         low, high = values[name]["interval_95"]
         assert low < values[name]["value"] < high
     assert values["delay_s"]["is_nuisance"]
+    assert result["distrust"] == ""
     assert result["tissue"]["young_modulus_kpa"]["value"] == pytest.approx(6 * values["mu_kpa"]["value"])
     assert result["tissue"]["young_modulus_kpa"]["interval"] == pytest.approx(
         [6 * end for end in values["mu_kpa"]["interval_95"]])
@@ -71,6 +72,7 @@ def test_a_model_of_another_film_is_not_to_be_trusted(sucked, tmp_path):
     assert finished.returncode == 7, finished.stdout + finished.stderr
     assert "do not trust the values" in finished.stdout
     result = json.loads((tmp_path / "fit/result.json").read_text())
+    assert "do not trust" in result["distrust"] and result["models"][0]["distrust"] == result["distrust"]
     assert {one["verdict"] for one in result["parameters"] if not one["is_nuisance"]} == {"not judged"}
     assert result["tissue"]["young_modulus_kpa"]["verdict"] == "not judged"
     page = (tmp_path / "fit/report.html").read_text()

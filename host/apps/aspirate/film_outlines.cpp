@@ -18,22 +18,24 @@
 namespace palpate {
 namespace {
 
+constexpr double least_contrast = 8;  // sum of four rows: two greys
 constexpr double most_lost_part = 0.2, most_asymmetry_mm = 0.3;
 
-/// Sum over sure points of the grey 3 to 6 rows below less that as far above.
-double contrast_of(const GreyFrame& frame, const Outline& outline) {
+/// Adds, over sure points, the grey 3 to 6 rows below less that as far above; not of the rim.
+void add_contrast(const GreyFrame& frame, const Outline& outline, double visible_row,
+                  FilmOutlines& film) {
     constexpr Index nearest = 3, farthest = 6;
-    double sum = 0;
     for (Index x = 0; x < Index(outline.size()); ++x) {
         const OutlinePoint& point = outline[std::size_t(x)];
         const auto row = Index(std::lround(point.row));
-        if (point.flag != PointFlag::ok || row < farthest || row + farthest >= frame.height)
+        if (point.flag != PointFlag::ok || row < farthest ||
+            double(row + farthest) >= std::min(visible_row, double(frame.height)))
             continue;
+        ++film.num_compared;
         for (Index k = nearest; k <= farthest; ++k)
-            sum += double(frame.grey[std::size_t((row + k) * frame.width + x)] -
-                          frame.grey[std::size_t((row - k) * frame.width + x)]);
+            film.contrast += double(frame.grey[std::size_t((row + k) * frame.width + x)] -
+                                    frame.grey[std::size_t((row - k) * frame.width + x)]);
     }
-    return sum;
 }
 
 void add_frame(FilmOutlines& film, const GreyFrame& frame, const Outline& outline, double time_s,
@@ -47,7 +49,7 @@ void add_frame(FilmOutlines& film, const GreyFrame& frame, const Outline& outlin
         ++sure;
         highest = std::min(highest, point.row);
     }
-    film.contrast += contrast_of(frame, outline);
+    add_contrast(frame, outline, instrument.visible_row(), film);
     film.num_points += seen;
     film.num_guessed += seen - sure;
     if (2 * sure <= seen) {
@@ -72,7 +74,8 @@ void refuse_bad_film(const FilmOutlines& film, const AspirationInstrument& instr
             fmt::format("the outline is lost in {} of {} frames; better light or contrast is "
                         "needed",
                         film.num_lost, film.num_frames));
-    if (instrument.is_brighter != (film.contrast > 0))
+    const double contrast = (instrument.is_brighter ? 1 : -1) * film.contrast;
+    if (contrast < -least_contrast * film.num_compared)
         refuse(
             fmt::format("what lies below the outline is {0} than what is above, but tissue is told "
                         "to be {1}; set tissue = \"{0}\", or turn the film upright",

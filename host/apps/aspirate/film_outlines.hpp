@@ -18,7 +18,8 @@ namespace palpate {
 struct FilmOutlines {
     Index num_frames = 0, num_lost = 0;
     double num_points = 0, num_guessed = 0;  ///< above the line of visibility
-    double contrast = 0;  ///< sum over sure points of the grey below the outline less that above
+    /// Sum over sure points of the grey below the outline less that above, and over how many.
+    double contrast = 0, num_compared = 0;
     std::vector<double> time_s = {}, apex_mm = {};  ///< [frames that were seen] the highest point
     FilmStrip strip = {};
     OutlineAxis axis = {};  ///< its column counts in what `crop_px` keeps

@@ -137,9 +137,12 @@ std::string residual_picture(const AspirationFit& fit) {
 }  // namespace
 
 const TriedModel& AspirationFit::best() const {
-    return *std::max_element(models.begin(), models.end(), [](const auto& a, const auto& b) {
-        return a.found->identified.log_evidence < b.found->identified.log_evidence;
-    });
+    const auto rank = [](const TriedModel& one) {
+        return std::pair(one.found->distrust().empty(), one.found->identified.log_evidence);
+    };
+    return *std::max_element(
+        models.begin(), models.end(),
+        [&](const TriedModel& a, const TriedModel& b) { return rank(a) < rank(b); });
 }
 
 std::vector<std::string> AspirationFit::warnings() const {
@@ -206,6 +209,7 @@ ResultTree fit_tree(const AspirationFit& fit) {
                         .title = "Left unexplained (rms)"});
         part.add(
             Figure{.name = "converged", .value = one.found->converged(), .title = "Converged"});
+        part.add("distrust", one.found->distrust());
         models.add(std::move(part));
     }
     tree.add(std::move(models));

@@ -30,7 +30,7 @@ struct AspirationFit {
     /// Of what was read and of the best model.
     std::vector<std::string> warnings() const;
 
-    /// Of the highest evidence.
+    /// Of the highest evidence, among those that nothing speaks against if there are any.
     const TriedModel& best() const;
 };
 

@@ -15,6 +15,8 @@ namespace palpate {
 class OutlineFinder {
 public:
     explicit OutlineFinder(const AspirationInstrument& instrument) : instrument_(instrument) {}
+    OutlineFinder(const OutlineFinder&) = delete;
+    OutlineFinder& operator=(const OutlineFinder&) = delete;
 
     /// For frames of this size. Throws Error(input_unusable) if the rim or `crop_px` is not in
     /// them.

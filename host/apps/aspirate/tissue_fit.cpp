@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -64,14 +65,32 @@ void take_start(const Fit& found, FitOptions& options) {
         options.discrepancy.given.push_back(found.noise->discrepancy(b));
 }
 
-/// What the model leaves of most heights, as an sd: 1.48 times the median, so that a stain that
-/// was taken for tissue in some frames says nothing about the model.
+double median_of(std::vector<double>& values) {
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// What the model leaves beyond the noise in all but the worst tenth of the frames, mm: of each
+/// frame
+///     sqrt((1.48 median |r|)^2 - (median sd)^2),
+/// so that a stain that was taken for tissue here or there says nothing about the model.
 double unexplained_mm(const IdentifiedExperiment& found) {
     const DataBlock& block = found.fit.prediction->blocks.front();
-    Eigen::VectorXd away = (block.measured - block.predicted).cwiseAbs();
-    const auto middle = away.begin() + away.size() / 2;
-    std::nth_element(away.begin(), middle, away.end());
-    return sd_over_median * *middle;
+    std::map<double, std::pair<std::vector<double>, std::vector<double>>> frames;
+    for (Index row = 0; row < block.num_row(); ++row) {
+        auto& [away, noise] = frames[block.time_s[row]];
+        away.push_back(std::abs(block.measured[row] - block.predicted[row]));
+        noise.push_back(block.sd[row]);
+    }
+    std::vector<double> left;
+    for (auto& [time_s, frame] : frames) {
+        const double away = sd_over_median * median_of(frame.first),
+                     noise = median_of(frame.second);
+        left.push_back(std::sqrt(std::max(0.0, away * away - noise * noise)));
+    }
+    std::sort(left.begin(), left.end());
+    return left[(left.size() - 1) * 9 / 10];
 }
 
 /// Empty if the model may be one of the film.

@@ -30,7 +30,8 @@ const Told* told_of(const std::string& name) {
           young_over_mu}},
         {"c2_kpa", {"c2", "c2_kpa", "Stiffening with stretch, C2"}},
         {"gamma", {"gamma", "gamma", "Stiffening with stretch, gamma"}},
-        {"amplitude", {"C", "amplitude", "Relaxing part, C: (1 + C) times as stiff at once"}},
+        {"amplitude",
+         {"C", "amplitude", "Relaxing part, C: 1 + the sum of C times as stiff at once"}},
         {"time_s", {"tau", "time_s", "Relaxation time, tau"}}};
     const auto found = all.find(name);
     return found == all.end() ? nullptr : &found->second;

@@ -179,6 +179,7 @@ ResultTree identified_tree(const IdentifiedExperiment& found) {
     tree.add(std::move(search));
     tree.add("is_plan", found.is_plan);
     tree.add("converged", found.converged());
+    tree.add("distrust", found.is_plan ? std::string() : found.distrust());
     return tree;
 }
 
