@@ -220,7 +220,8 @@ def make(seed, out, kind="noise 3", side="held"):
               "largest_stretch": told.pop("largest_stretch"), "seconds_solving": time.monotonic() - began}
     truth["stress_at_largest_stretch_kpa"] = nominal_kpa(truth["mu_kpa"], truth["gamma"], truth["largest_stretch"])
 
-    (out / "frames").mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(out / "frames", ignore_errors=True)  # of an earlier, perhaps longer film
+    (out / "frames").mkdir(parents=True)
     fine = silhouettes.FINE
     columns = (np.arange(fine * silhouettes.SIDE) + 0.5) / fine - 0.5
     r = (columns - truth["axis_column_px"]) * truth["pixel_r_um"] / 1000
@@ -370,7 +371,8 @@ def table(cases):
 
 def study(options):
     options.out.mkdir(parents=True, exist_ok=True)
-    said, settings = {"kind": options.kind, "side": options.side}, options.out / "settings.json"
+    version = subprocess.run([str(options.program), "--version"], capture_output=True, text=True).stdout.split("\n")[0]
+    said, settings = {"kind": options.kind, "side": options.side, "program": version}, options.out / "settings.json"
     if settings.exists() and json.loads(settings.read_text()) != said:
         sys.exit(f"{options.out} holds a study with other settings: choose another folder")
     settings.write_text(json.dumps(said) + "\n")
