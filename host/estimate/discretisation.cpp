@@ -48,7 +48,7 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 }
 
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
-                                Identified& all, double model_sd) {
+                                Identified& all, const Eigen::VectorXd& model_sd) {
     std::vector<Parameter> parameters;
     for (const IdentifiedParameter& one : all.parameters) parameters.push_back(one.parameter);
     for (std::size_t k = 0; k < all.parameters.size(); ++k) {
@@ -67,9 +67,9 @@ void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, cons
         found.value = std::clamp(to_value(found.parameter, centre + shift), found.parameter.lowest,
                                  found.parameter.highest);
         if (found.judgement.verdict == Verdict::not_identifiable) continue;
-        const bool has_model_error =
-            !found.parameter.is_nuisance && found.parameter.transform == Transform::log;
-        const double wider = has_model_error ? std::hypot(sd, model_sd) : sd;
+        const bool has_model_error = model_sd.size() > 0 && !found.parameter.is_nuisance &&
+                                     found.parameter.transform == Transform::log;
+        const double wider = has_model_error ? std::hypot(sd, model_sd[at]) : sd;
         for (double& end : found.interval)
             end = moved_end(found.parameter, end, centre, shift, wider);
         found.judgement = judge_parameter(parameters, found);

@@ -23,9 +23,9 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 /// not known joins the intervals in quadrature: a third of each delta, for the order, and up to all
 /// of it where the shift is more than an sd, because then more than the first order counts.
 /// Verdicts follow the new intervals.
-///   model_sd   of what else a model has wrong, of a logarithm: joins the intervals of all that is
-///              searched for as one and is no nuisance
+///   model_sd   [num_parameter] of what else a model has wrong, of logarithms: joins the intervals
+///              of what is searched for as one and is no nuisance; empty: nothing
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
-                                Identified& all, double model_sd = 0);
+                                Identified& all, const Eigen::VectorXd& model_sd = {});
 
 }  // namespace palpate

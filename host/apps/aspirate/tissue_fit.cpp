@@ -37,8 +37,8 @@ constexpr double settled_rest_mm = 0.01, most_left_rest_mm = 0.05;
 constexpr double gain_for_rest = 0.2;
 constexpr int noise_rounds_for_rest = 2;
 /// Of each number of the tissue: what outlines, the guess of the rest and contact at the rim leave
-/// that no residual shows. Of rendered films (docs/aspiration.md).
-constexpr double model_sd_ln = 0.03;
+/// that no residual shows. Of films, those of another solver too (docs/aspiration.md).
+constexpr double model_sd_ln = 0.03, model_sd_ln_of_stiffening = 0.06;
 /// Of the travel, that a model may leave unexplained: without a word, and at all.
 constexpr double much_unexplained = 0.03, most_unexplained = 0.05;
 constexpr double sd_over_median = 1.4826;
@@ -137,6 +137,17 @@ std::vector<std::string> warnings_of(const IdentifiedExperiment& found, double t
     return warnings;
 }
 
+/// [num_parameter]
+Eigen::VectorXd model_sds(const std::vector<IdentifiedParameter>& parameters) {
+    Eigen::VectorXd sds(Eigen::Index(parameters.size()));
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+        const std::string& name = parameters[k].parameter.name;
+        sds[Eigen::Index(k)] =
+            name == "gamma" || name == "c2_kpa" ? model_sd_ln_of_stiffening : model_sd_ln;
+    }
+    return sds;
+}
+
 /// One law with one number of relaxation terms. What a fit finds of the hidden part of the surface
 /// at rest is a part of the body that the next fit has, until it no longer changes.
 TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettings& settings,
@@ -189,7 +200,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     report_progress(progress, "intervals", 0, tried.name);
     found.identified = identify(problem, found.fit, {}, progress);
     found.num_simulation = num_simulation + problem.num_simulation();
-    check_mesh(configure, found, progress, model_sd_ln);
+    check_mesh(configure, found, progress, model_sds(found.identified.parameters));
     const double travel_mm =
         *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end());
     found.misfit = misfit_of(found, travel_mm);

@@ -55,7 +55,7 @@ std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, co
 }  // namespace
 
 void check_mesh(const Configure& configure, IdentifiedExperiment& found,
-                const ProgressSink& progress, double model_sd) {
+                const ProgressSink& progress, const Eigen::VectorXd& model_sd) {
     const auto& parameters = found.experiment.parameters();
     std::vector<Eigen::VectorXd> shifts;
     std::string what;
@@ -70,7 +70,7 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
     add("cells", halve_cells);
     add(steps, halve_steps);
     if (!found.mesh_check_sentence.empty()) shifts.clear();
-    if (shifts.empty() && model_sd > 0)
+    if (shifts.empty() && model_sd.size() > 0)
         correct_for_discretisation({}, found.fit, found.identified, model_sd);
     if (!found.mesh_check_sentence.empty()) return;
     if (shifts.empty()) {

@@ -14,6 +14,7 @@ namespace palpate {
 ///   configure   sets how equations are solved
 ///   model_sd    as `correct_for_discretisation` has it
 void check_mesh(const std::function<void(SimulationSettings&)>& configure,
-                IdentifiedExperiment& found, const ProgressSink& progress, double model_sd = 0);
+                IdentifiedExperiment& found, const ProgressSink& progress,
+                const Eigen::VectorXd& model_sd = {});
 
 }  // namespace palpate

@@ -83,8 +83,8 @@ TEST(Discretisation, WhatElseAModelHasWrongWidensLogarithmsAloneAndNoNuisance) {
     Identified known = identify(problem, found, {}), nuisance = known;
     const IdentifiedParameter before = known.parameters[0];
     nuisance.parameters[0].parameter.is_nuisance = true;
-    correct_for_discretisation({nothing}, found, known, 0.03);
-    correct_for_discretisation({nothing}, found, nuisance, 0.03);
+    correct_for_discretisation({nothing}, found, known, Eigen::VectorXd::Constant(1, 0.03));
+    correct_for_discretisation({nothing}, found, nuisance, Eigen::VectorXd::Constant(1, 0.03));
     const double half_before = std::log(before.interval[1] / before.value);
     EXPECT_NEAR(std::log(known.parameters[0].interval[1] / before.value),
                 std::hypot(half_before, 1.96 * 0.03), 1e-4);
