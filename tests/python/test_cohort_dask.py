@@ -20,39 +20,13 @@ from palpate.cohort.errors import DEVICE_FAILED, STOPPED, CohortError  # noqa: E
 from tests.cli.test_cohort import assert_each_case_is_done_once, children_of, plan, rows_of, run, status, wait_until  # noqa: E402
 from tests.cli.test_cohort_machines import broken  # noqa: E402
 from tests.conftest import PROGRAM, run_palpate  # noqa: E402
+from tests.dask_cluster import Cluster  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
 def patient_limits(monkeypatch):
     """A busy machine is no hang."""
     monkeypatch.setattr("tests.cli.test_cohort.LIMITS", "[limits]\ntarget_seconds = 60\nattempts = 3\n")
-
-
-class Cluster:
-    """A scheduler and workers of one slot each, without the nanny that would start them again."""
-
-    def __init__(self, folder):
-        self.file, self.folder, self.workers = folder / "scheduler.json", folder, []
-        self.scheduler = self.start("scheduler", "--scheduler-file", self.file, "--port", 0, "--host", "127.0.0.1", "--no-dashboard")
-        wait_until(self.file.exists, 60)
-
-    def start(self, *words, environment={}):
-        return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_" + words[0], *map(str, words[1:])],
-                                stdout=subprocess.DEVNULL, stderr=open(self.folder / "dask.txt", "a"), cwd=self.folder,
-                                env={**os.environ, **environment})
-
-    def add_worker(self, environment={}):
-        self.workers.append(self.start("worker", "--scheduler-file", self.file, "--nthreads", 1, "--no-nanny", "--no-dashboard",
-                                       "--local-directory", self.folder, "--death-timeout", 10, environment=environment))
-        return self.workers[-1]
-
-    def client(self):
-        return distributed.Client(scheduler_file=str(self.file), set_as_default=False)
-
-    def stop(self):
-        for process in [*self.workers, self.scheduler]:
-            process.kill()
-            process.wait()
 
 
 @pytest.fixture

@@ -31,8 +31,7 @@ constexpr Index far_rows = 3;          // another outline differs by more
 constexpr float least_margin = 9;      // of costs, or the outline is a guess
 constexpr Index edge_reach = 2;        // rows from the path to the steepest place
 constexpr double most_more_reach = 4;  // rows, on a flank
-constexpr double sd_sigmas = 2;        // of the point's own error, too, at most half a pixel more
-constexpr double most_more = 0.5;
+constexpr double sd_sigmas = 2, most_more = 0.5;  // of its own error, too, half a pixel more
 constexpr double fair_sd = 2.5;  // pixels, of a fitted edge; beyond it the path knows better
 // A step that is not the tissue's makes an error of share (|ln of their quotient| - free)
 constexpr float other_share = 1.2, other_free = 0.35;
