@@ -369,6 +369,7 @@ void SettingsTable::missing(std::string_view key, const std::string& allowed) co
 
 void SettingsTable::refuse(std::string_view key, const std::string& allowed) const {
     const toml::node* node = node_->table->get(key);
+    if (!node) fail(fmt::format("key '{}' is left out; {}", key, allowed));
     const std::string place = title_.empty() ? "" : title_ + ": ";
     throw Error(ErrorCode::invalid_argument,
                 fmt::format("{}, line {}: {}key '{}' is {}; {}", source_, node->source().begin.line,

@@ -119,6 +119,8 @@ def changed(path, old, new):
     ("delay_s = {value = 0.0, sd = 0.02}", 'delay_s = "unknown"', 2, "delay_s"),
     ("steps = 12", "friction = -1", 2, "friction"),
     ("steps = 12", "refine = 0", 2, "refine"),
+    ("edge_radius_mm = 0.2\nrim_thickness_mm = 0.5\nouter_diameter_mm = 20.0\n",
+     "edge_radius_mm = 8.2\nrim_thickness_mm = 0.5\n", 2, "'outer_diameter_mm' is left out"),
 ])
 def test_settings_are_read_strictly(old, new, code, words, sucked, tmp_path):
     settings = tmp_path / "aspiration.toml"
