@@ -33,9 +33,17 @@ HistoryColumns::HistoryColumns(const SolidModel& model, const std::vector<LoadTi
                                std::vector<HistoryDirection> directions)
     : model_(&model), directions_(std::move(directions)), history_(model) {
     check_times(times);
-    for (const LoadTime& at : times) time_s_.push_back(at.time_s);
-    for (const HistoryDirection& direction : directions_)
+    for (const LoadTime& at : times) {
+        time_s_.push_back(at.time_s);
+        loads_.push_back(at.loads);
+    }
+    for (const HistoryDirection& direction : directions_) {
         check_direction(direction, model, times.size());
+        auto& pair = pairs_.emplace_back();
+        for (const int side : {0, 1})
+            if (const auto& other = direction.pair.models[side])
+                pair[side] = std::make_unique<HeldBody>(other);
+    }
     const auto columns = static_cast<Eigen::Index>(directions_.size());
     displacement_before_ = Eigen::MatrixXd::Zero(model.num_dofs(), columns);
     history_changes_.assign(directions_.size(), history_.make_tensors());
@@ -68,6 +76,24 @@ HistoryColumns::Changes HistoryColumns::solid_changes() const {
         SolidChange change = history_.begin_change(dt_s, history_changes_[c], relaxation_change(c));
         change.parameters = directions_[c].parameters;
         changes.push_back(std::move(change));
+    }
+    return changes;
+}
+
+/// Differences of the pairs of models at u, where they remember the same displacements: d/dp of
+/// what pushes back by what differs between the models, [columns]; empty where there is no pair.
+std::vector<HeldBody::Push> HistoryColumns::pair_changes(const Eigen::VectorXd& u) {
+    std::vector<HeldBody::Push> changes(pairs_.size());
+    for (std::size_t c = 0; c < pairs_.size(); ++c) {
+        if (!pairs_[c][0] || !pairs_[c][1]) continue;
+        // (f(u; p + h) - f(u; p - h)) / 2h
+        const HeldBody::Push less = pairs_[c][0]->advance(time_s_[next_], u, loads_[next_]);
+        changes[c] = pairs_[c][1]->advance(time_s_[next_], u, loads_[next_]);
+        const double apart = directions_[c].pair.apart;
+        changes[c].force = (changes[c].force - less.force) / apart;
+        for (std::size_t k = 0; k < less.contact_force.size(); ++k)
+            changes[c].contact_force[k] =
+                (changes[c].contact_force[k] - less.contact_force[k]) / apart;
     }
     return changes;
 }
@@ -126,8 +152,11 @@ ColumnsAtTime HistoryColumns::advance(const SolidAssembly& solid, const Equilibr
     const Changes changes = solid_changes();
     const ContactChanges by_contact = contact_changes();
 
-    const Eigen::MatrixXd held =
-        solid.force_changes(u, changes) + contact.force_changes(u, by_contact);
+    const std::vector<HeldBody::Push> by_pair = pair_changes(u);
+
+    Eigen::MatrixXd held = solid.force_changes(u, changes) + contact.force_changes(u, by_contact);
+    for (std::size_t c = 0; c < by_pair.size(); ++c)
+        if (by_pair[c].force.size() > 0) held.col(Eigen::Index(c)) += by_pair[c].force;
     Eigen::MatrixXd force(u.size(), held.cols());
     ColumnsAtTime columns;
     columns.displacement = Eigen::MatrixXd::Zero(u.size(), held.cols());
@@ -151,7 +180,9 @@ ColumnsAtTime HistoryColumns::advance(const SolidAssembly& solid, const Equilibr
     auto of_contact = contact.state_changes(u, columns.displacement, by_contact);
     for (std::size_t c = 0; c < of_contact.size(); ++c) {
         for (std::size_t k = 0; k < columns.contact_force.size(); ++k)
-            columns.contact_force[k].col(static_cast<Eigen::Index>(c)) = of_contact[c].force[k];
+            columns.contact_force[k].col(static_cast<Eigen::Index>(c)) =
+                of_contact[c].force[k] +
+                (by_pair[c].force.size() > 0 ? by_pair[c].contact_force[k] : Vec3::Zero());
         friction_before_[c] = std::move(of_contact[c].friction);
     }
     if (has_relaxation(*model_)) end_step(solid, found, changes, columns);

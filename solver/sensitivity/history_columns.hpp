@@ -3,9 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "solver/equilibrium/viscous_history.hpp"
+#include "solver/sensitivity/held_body.hpp"
 #include "solver/sensitivity/history_directions.hpp"
 
 namespace palpate {
@@ -56,17 +59,20 @@ private:
     SolidLoads loads_change(std::size_t column, std::size_t time) const;
     Eigen::VectorXd following_force(const Eigen::VectorXd& u,
                                     const std::vector<double>& pressure_kpa) const;
+    std::vector<HeldBody::Push> pair_changes(const Eigen::VectorXd& u);
     void end_step(const SolidAssembly& solid, const Equilibrium& found, const Changes& changes,
                   const ColumnsAtTime& columns);
 
     const SolidModel* model_;
     std::vector<double> time_s_;
+    std::vector<SolidLoads> loads_;  ///< [times]
     std::vector<HistoryDirection> directions_;
     std::size_t next_ = 0;
     ViscousHistory history_;
-    std::vector<HistoryTensors> history_changes_;     ///< [columns]
-    Eigen::MatrixXd displacement_before_;             ///< [3 num_nodes, columns]
-    std::vector<std::vector<Vec3>> friction_before_;  ///< [columns][contact points]
+    std::vector<std::array<std::unique_ptr<HeldBody>, 2>> pairs_;  ///< [columns] null: none
+    std::vector<HistoryTensors> history_changes_;                  ///< [columns]
+    Eigen::MatrixXd displacement_before_;                          ///< [3 num_nodes, columns]
+    std::vector<std::vector<Vec3>> friction_before_;               ///< [columns][contact points]
 };
 
 /// A load history with its columns.

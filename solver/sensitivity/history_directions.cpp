@@ -69,6 +69,19 @@ SolidLoads negative_mean(SolidLoads a, const SolidLoads& b) {
     return a;
 }
 
+/// Whether displacements of one are displacements of the other.
+bool is_alike(const SolidModel& a, const SolidModel& b) {
+    const auto faces = [](const SolidModel& model) {
+        std::vector<std::vector<Face>> list;
+        for (const Contact& contact : model.contacts) list.push_back(contact.faces);
+        for (const PressureSurface& pressure : model.pressures) list.push_back(pressure.faces);
+        return list;
+    };
+    return a.mesh.type == b.mesh.type && a.mesh.nodes.size() == b.mesh.nodes.size() &&
+           a.mesh.elements == b.mesh.elements && a.prescribed == b.prescribed &&
+           faces(a) == faces(b);
+}
+
 }  // namespace
 
 HistoryDirection along_parameter(const SolidModel& model, std::size_t material,
@@ -149,6 +162,14 @@ HistoryDirection along_time_shift(const std::vector<LoadTime>& times) {
     return direction;
 }
 
+HistoryDirection along_pair(const SolidModel& model, ModelPair pair) {
+    HistoryDirection direction;
+    direction.name = "a pair of models";
+    direction.pair = std::move(pair);
+    check_direction(direction, model, 0);
+    return direction;
+}
+
 void check_direction(const HistoryDirection& direction, const SolidModel& model,
                      std::size_t num_times) {
     const auto expect = [&](const char* what, std::size_t size, std::size_t expected) {
@@ -170,6 +191,12 @@ void check_direction(const HistoryDirection& direction, const SolidModel& model,
     for (std::size_t m = 0; m < direction.relaxation.size(); ++m)
         expect("terms", direction.relaxation[m].size(), model.materials[m].relaxation.size());
     for (const SolidLoads& loads : direction.loads) check_loads(model, loads);
+    for (const auto& other : direction.pair.models)
+        if (other && !(is_alike(*other, model) && direction.pair.apart > 0))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the direction '{}' is between models of other nodes, elements "
+                                    "or contacts, or of no distance",
+                                    direction.name));
 }
 
 }  // namespace palpate

@@ -2,12 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "solver/equilibrium/time_steps.hpp"
 
 namespace palpate {
+
+/// A model with a parameter by half of `apart` smaller and larger: of the same nodes, elements and
+/// contact points, which may have other places.
+struct ModelPair {
+    std::array<std::shared_ptr<const SolidModel>, 2> models;
+    double apart = 0;
+};
 
 /// How everything that a load history is made of changes with one parameter, per unit of it. An
 /// empty list means that nothing of it changes.
@@ -20,6 +29,7 @@ struct HistoryDirection {
     std::vector<Eigen::Vector2d> penalties;               ///< [contacts] kPa/mm, as ContactChange
     std::vector<SolidLoads> loads;                        ///< [times] as in `LoadTime`
     std::vector<double> time_s;                           ///< [times] of the times themselves
+    ModelPair pair = {};  ///< what the lists above cannot say: places of nodes; none: nothing
 };
 
 /// Along one parameter of a material's law. Throws Error(invalid_argument), like all of these, for
@@ -45,6 +55,11 @@ HistoryDirection along_load_delay(const std::vector<LoadTime>& times);
 /// Along a shift of all times with their loads, s: everything happens later, the first step is
 /// longer. Unlike the delay it has no jumps; displacements then belong to times that move.
 HistoryDirection along_time_shift(const std::vector<LoadTime>& times);
+
+/// Along what differs between two models: forces at held displacements are compared, so that the
+/// error is of the order of `apart` squared. Throws Error(invalid_argument) for models that are not
+/// alike.
+HistoryDirection along_pair(const SolidModel& model, ModelPair pair);
 
 /// Throws Error(invalid_argument) for lists of a size that does not fit.
 void check_direction(const HistoryDirection& direction, const SolidModel& model,

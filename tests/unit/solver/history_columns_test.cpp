@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
+#include <utility>
 
 #include "solver/adjoint/history_adjoint.hpp"
 #include "solver/base/error.hpp"
@@ -236,6 +238,58 @@ TEST(HistoryColumns, KnowPressuresThatFollowTheSurface) {
                       tolerance)
                 << name_of(history.model) << ": " << parameters[c].direction.name;
     }
+}
+
+/// Where a node goes when the body is made larger to one side, the more the farther out it is: the
+/// tops of planes and of axes stay where they are.
+void move_nodes(SolidModel& model, double by) {
+    for (Vec3& place : model.mesh.nodes) place.x() *= 1 + by * (1 + 0.3 * place.y());
+}
+
+Parameter shape_of(const LoadHistory& history, double apart) {
+    ModelPair pair{{}, apart};
+    for (const int side : {0, 1}) {
+        SolidModel moved = history.model;
+        move_nodes(moved, side == 0 ? -0.5 * apart : 0.5 * apart);
+        pair.models[side] = std::make_shared<const SolidModel>(std::move(moved));
+    }
+    return {along_pair(history.model, pair),
+            [](LoadHistory& h, double by) { move_nodes(h.model, by); }, step};
+}
+
+TEST(HistoryColumns, AlongPlacesOfNodesAreThoseOfCentralDifferences) {
+    const std::vector<SolidModel> models = fixtures::solid_models();
+    for (std::size_t i = 0; i < models.size(); i += 3) {
+        LoadHistory history = touched_history(models[i], RelaxationOf::isochoric, false);
+        if (i % 2 == 1) {
+            history.model.pressures = {{history.model.contacts[0].faces}};
+            for (LoadTime& at : history.times) at.loads.pressure_kpa = {-0.3 * at.time_s};
+        }
+        // what else is looked for must not notice
+        const std::vector<Parameter> parameters{shape_of(history, 1e-5), parameters_of(history)[0]};
+        const HistoryWithColumns found =
+            solve_history_columns(history.model, history.times, directions_of(parameters), tight());
+        ASSERT_EQ(found.columns.size(), history.times.size()) << found.states.back().message;
+        for (std::size_t c = 0; c < parameters.size(); ++c) {
+            const Answer expected = difference(history, parameters[c]);
+            EXPECT_GT(expected.displacement.norm(), 1e-5) << name_of(models[i]);
+            EXPECT_LT(column_error(column_of(found.columns, Eigen::Index(c)), expected), tolerance)
+                << name_of(models[i]) << ", parameter " << c;
+        }
+    }
+}
+
+TEST(HistoryColumns, ModelsOfAPairAreAlike) {
+    const LoadHistory history =
+        touched_history(fixtures::solid_models()[2], RelaxationOf::isochoric, false);
+    ModelPair pair = shape_of(history, 1e-5).direction.pair;
+    pair.apart = 0;
+    EXPECT_THROW(along_pair(history.model, pair), Error);
+    pair.apart = 1e-5;
+    SolidModel other = history.model;
+    other.contacts[0].faces.pop_back();
+    pair.models[1] = std::make_shared<const SolidModel>(std::move(other));
+    EXPECT_THROW(along_pair(history.model, pair), Error);
 }
 
 LoadHistory plain_history() {
