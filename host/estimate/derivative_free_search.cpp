@@ -37,6 +37,7 @@ public:
           progress_(progress) {
         for (Index k = 0; k < steps_.size(); ++k) steps_[k] = step_of(problem.parameters()[k]);
         for (const Index k : start.held) steps_[k] = 0;
+        for (const Index k : held_of(problem.parameters())) steps_[k] = 0;
     }
 
     double operator()(const Eigen::VectorXd& steps);

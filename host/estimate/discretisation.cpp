@@ -44,7 +44,9 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
         pull += columns.transpose() * fit.noise->covariance(static_cast<Index>(b))
                                           .solve(finer.blocks[b].predicted - block.predicted);
     }
-    return -fit.equations.hessian.ldlt().solve(pull);
+    NormalEquations equations{fit.equations.information, fit.equations.hessian, -pull};
+    hold(parameters, equations);  // the pull on what is held is that of the others
+    return equations.hessian.ldlt().solve(equations.gradient);
 }
 
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,

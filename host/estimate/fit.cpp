@@ -196,7 +196,8 @@ Eigen::VectorXd draw_from_priors(const std::vector<Parameter>& parameters, std::
     Eigen::VectorXd drawn(parameters.size());
     for (Index k = 0; k < drawn.size(); ++k) {
         const Parameter& parameter = parameters[k];
-        const double sd = parameter.has_prior()                        ? parameter.sd
+        const double sd = parameter.is_held                            ? 0.0
+                          : parameter.has_prior()                      ? parameter.sd
                           : parameter.transform != Transform::identity ? 1.0
                                                                        : std::abs(parameter.start);
         drawn[k] = std::clamp(priors.mean[k] + sd * normal(random), range.lower[k], range.upper[k]);

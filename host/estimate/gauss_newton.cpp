@@ -55,6 +55,7 @@ public:
           is_held_(parameters_.size(), false),
           damping_(options.first_damping) {
         for (const Index k : start.held) is_held_.at(k) = true;
+        for (const Index k : held_of(parameters_)) is_held_[k] = true;
         begin(start);
     }
 

@@ -38,7 +38,7 @@ struct GaussNewtonOptions {
 struct GaussNewtonStart {
     Eigen::VectorXd values;                  ///< [num_parameter] on the parameters' own scales
     std::shared_ptr<const Prediction> warm;  ///< a prediction nearby, or null
-    std::vector<Index> held;                 ///< parameters that stay where they are
+    std::vector<Index> held;                 ///< that stay where they are, beside those that say so
 };
 
 /// One trial of a search, for its records.

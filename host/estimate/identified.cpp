@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -35,6 +36,21 @@ Curvature invert_curvature(const Eigen::MatrixXd& hessian) {
     const Eigen::MatrixXd root =
         unit.asDiagonal() * eigen.eigenvectors() * values.cwiseSqrt().cwiseInverse().asDiagonal();
     return {root * root.transpose(), values.array().log().sum() - 2.0 * unit.array().log().sum()};
+}
+
+/// With what is held known: C_oo - C_oh C_hh^-1 C_ho, and 0 of those that are held.
+Eigen::MatrixXd with_held_known(const std::vector<Parameter>& parameters,
+                                const Eigen::MatrixXd& covariance) {
+    const std::vector<Index> held = held_of(parameters);
+    if (held.empty()) return covariance;
+    const Eigen::MatrixXd across = covariance(Eigen::all, held);
+    const Eigen::LDLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(covariance(held, held)));
+    Eigen::MatrixXd known = covariance - across * factor.solve(across.transpose());
+    for (const Index k : held) {
+        known.row(k).setZero();
+        known.col(k).setZero();
+    }
+    return known;
 }
 
 Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
@@ -98,7 +114,7 @@ TransformedInterval quadratic_interval(double centre, double half_width) {
 }
 
 IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters, const Fit& fit,
-                                       const Identified& all, double degrees,
+                                       const Identified& all, double degrees, double known_sd,
                                        ProfileSearch& profiles, Index k,
                                        const IdentifyOptions& options) {
     IdentifiedParameter found;
@@ -108,9 +124,15 @@ IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters,
     find_partner(all.correlation, k, found);
     found.degrees_of_freedom = degrees;
     const double reach = student_reach(degrees);
-    const TransformedInterval interval =
-        !found.parameter.is_nuisance ? profiles.interval(k, reach, options.skewness_tolerance)
-                                     : quadratic_interval(fit.transformed[k], reach * found.sd);
+    const bool is_narrow = options.added_sd.size() > 0 && found.sd < options.added_sd[k];
+    TransformedInterval interval = found.parameter.is_nuisance || is_narrow
+                                       ? quadratic_interval(fit.transformed[k], reach * found.sd)
+                                       : profiles.interval(k, reach, options.skewness_tolerance);
+    if (is_narrow) interval.rise = {0.5 * reach * reach, 0.5 * reach * reach};
+    if (!found.parameter.is_nuisance && !is_narrow)
+        // profiles know what is held
+        for (double& end : interval.ends)
+            end = fit.transformed[k] + (end - fit.transformed[k]) * found.sd / known_sd;
     found.is_profiled = interval.is_profiled;
     found.is_cut = interval.is_cut;
     for (const int side : {0, 1})
@@ -211,12 +233,13 @@ Identified identify(const DataProblem& problem, const Fit& fit, const IdentifyOp
     all.best_known = combination_of(parameters, fit.values, all.covariance, sensitivity, 0);
     all.weakest = combination_of(parameters, fit.values, all.covariance, sensitivity, count - 1);
     const Eigen::VectorXd degrees = degrees_of_freedom(parameters, fit);
-    ProfileSearch profiles(problem, fit, all.covariance, options.gauss_newton, progress);
+    const Eigen::MatrixXd known = with_held_known(parameters, all.covariance);
+    ProfileSearch profiles(problem, fit, known, options.gauss_newton, progress);
     for (Index k = 0; k < count; ++k) {
         report_progress(progress, "intervals", static_cast<double>(k) / count,
                         label_of(parameters[k]));
-        all.parameters.push_back(
-            identify_parameter(parameters, fit, all, degrees[k], profiles, k, options));
+        all.parameters.push_back(identify_parameter(parameters, fit, all, degrees[k],
+                                                    std::sqrt(known(k, k)), profiles, k, options));
     }
     for (Index b = 0; b < fit.noise->num_block(); ++b)
         all.blocks.push_back(block_fit(fit.prediction->blocks[b], *fit.noise, b));

@@ -20,6 +20,9 @@ struct IdentifyOptions {
     /// rise by more than this share of it. Nuisances have quadratic intervals.
     double skewness_tolerance = 0.2;
     bool judges_far_ends = true;  ///< whether the far ends of ranges are predicted for verdicts
+    /// [num_parameter] or empty: what will be added to the intervals, on the transformed scales.
+    /// One whose own sd is smaller stays quadratic: how skew it is would not be seen.
+    Eigen::VectorXd added_sd = {};
 };
 
 /// One parameter after a fit.

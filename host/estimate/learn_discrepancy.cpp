@@ -353,10 +353,10 @@ class PredictionLikelihoods {
 public:
     PredictionLikelihoods(const std::vector<Parameter>& parameters, const Prediction& prediction,
                           const NoiseModel& noise)
-        : prediction_(prediction),
+        : prediction_(without_held(parameters, prediction)),
           noise_(noise),
           slopes_(slopes_of(parameters, to_transformed(parameters, prediction.values))),
-          all_(normal_equations(parameters, prediction, noise)) {}
+          all_(normal_equations(parameters, prediction_, noise)) {}
 
     bool is_learned(Index b) const {
         return prediction_.blocks[b].has_discrepancy && prediction_.blocks[b].num_row() > 0;
@@ -367,7 +367,15 @@ public:
     BlockLikelihood of_block(Index b) const;
 
 private:
-    const Prediction& prediction_;
+    /// What is held does not follow the data, whatever these are taken to miss.
+    static Prediction without_held(const std::vector<Parameter>& parameters,
+                                   Prediction prediction) {
+        for (const Index k : held_of(parameters))
+            for (DataBlock& block : prediction.blocks) block.columns.col(k).setZero();
+        return prediction;
+    }
+
+    const Prediction prediction_;
     const NoiseModel& noise_;
     Eigen::VectorXd slopes_;
     NormalEquations all_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/estimate/noise_model.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
 
@@ -122,7 +123,27 @@ NormalEquations normal_equations(const std::vector<Parameter>& parameters,
         0.5 * (equations.information + equations.information.transpose()).eval();
     equations.hessian = equations.information;
     equations.hessian.diagonal() += priors.precision;
+    hold(parameters, equations);
     return equations;
+}
+
+void hold(const std::vector<Parameter>& parameters, NormalEquations& equations) {
+    const std::vector<Index> held = held_of(parameters);
+    if (held.empty()) return;
+    std::vector<Index> others;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+        if (!parameters[k].is_held) others.push_back(static_cast<Index>(k));
+    const Eigen::MatrixXd coupling = equations.hessian(others, held);
+    // H_oo^-1 (H_ok, g_o)
+    const Eigen::LDLT<Eigen::MatrixXd> factor(Eigen::MatrixXd(equations.hessian(others, others)));
+    const Eigen::MatrixXd follow = factor.solve(coupling);
+    const Eigen::MatrixXd seen = coupling.transpose() * follow;
+    const Eigen::VectorXd pull = equations.gradient(others);
+    equations.gradient(held) = follow.transpose() * pull;
+    equations.information(held, held) = seen;
+    equations.hessian(held, held) = seen;
+    const TransformedPriors priors = priors_of(parameters);
+    for (const Index k : held) equations.hessian(k, k) += priors.precision[k];
 }
 
 double minus_log_posterior(const std::vector<Parameter>& parameters, const Prediction& prediction,

@@ -69,6 +69,11 @@ private:
 Eigen::VectorXd residual_of(const DataBlock& block);
 
 /// Minus the log posterior F around a prediction with columns, on the transformed scale, C held.
+/// Parameters k that are held learn nothing from the data (a cut posterior; Plummer 2015), so that
+/// with the others o
+///     H_kk = P_k + H_ko H_oo^-1 H_ok,   g_k = H_ko H_oo^-1 g_o:
+/// in H^-1 they have their prior's variance, the others what that makes of theirs, and a step
+/// -H^-1 g leaves them where they are.
 struct NormalEquations {
     Eigen::MatrixXd information;  ///< sum of J^T C^-1 J, the data's part of the curvature
     Eigen::MatrixXd hessian;      ///< with the priors' precisions
@@ -76,6 +81,9 @@ struct NormalEquations {
 };
 NormalEquations normal_equations(const std::vector<Parameter>& parameters,
                                  const Prediction& prediction, const NoiseModel& noise);
+
+/// Makes those of `equations` of parameters that are held what is said there.
+void hold(const std::vector<Parameter>& parameters, NormalEquations& equations);
 
 /// F at a prediction: misfit, normalisation and priors' energy.
 double minus_log_posterior(const std::vector<Parameter>& parameters, const Prediction& prediction,

@@ -155,6 +155,13 @@ Eigen::VectorXd slopes_of(const std::vector<Parameter>& parameters,
                 [](const Parameter& p, double t) { return slope_of(p, t); });
 }
 
+std::vector<Index> held_of(const std::vector<Parameter>& parameters) {
+    std::vector<Index> held;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+        if (parameters[k].is_held) held.push_back(static_cast<Index>(k));
+    return held;
+}
+
 Eigen::VectorXd starts_of(const std::vector<Parameter>& parameters) {
     Eigen::VectorXd starts(parameters.size());
     for (std::size_t k = 0; k < parameters.size(); ++k) starts[k] = parameters[k].start;

@@ -40,6 +40,9 @@ struct Parameter {
     double lowest = -std::numeric_limits<double>::infinity();
     double highest = std::numeric_limits<double>::infinity();
     bool is_nuisance = false;  ///< estimated and integrated out: reported, but not asked for
+    /// It stays at its median, whatever the data say, and what its prior leaves unknown of it joins
+    /// what is unknown of the others (`normal_equations`).
+    bool is_held = false;
 
     bool has_prior() const { return sd < std::numeric_limits<double>::infinity(); }
 };
@@ -63,6 +66,9 @@ Eigen::VectorXd to_values(const std::vector<Parameter>& parameters,
                           const Eigen::VectorXd& transformed);
 Eigen::VectorXd slopes_of(const std::vector<Parameter>& parameters,
                           const Eigen::VectorXd& transformed);
+
+/// Which are held.
+std::vector<Index> held_of(const std::vector<Parameter>& parameters);
 
 /// Where a search begins, [num_parameter] on the parameters' own scales.
 Eigen::VectorXd starts_of(const std::vector<Parameter>& parameters);
