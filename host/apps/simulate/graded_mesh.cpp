@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/apps/simulate/smooth_curve.hpp"
 #include "solver/base/error.hpp"
@@ -43,11 +44,22 @@ std::vector<double> divided(const std::vector<double>& ends, int parts) {
     return fine;
 }
 
+int num_inside(const GradedSettings& graded) {
+    return graded.columns_inside + (graded.face ? graded.columns_edge : 0);
+}
+
 std::vector<double> column_ends(const GradedSettings& graded) {
     std::vector<double> ends;
+    const double inner_mm = graded.face ? graded.face->hole_radius_mm : graded.edge_mm;
     for (int k = 0; k <= graded.columns_inside; ++k)
-        ends.push_back(graded.edge_mm *
-                       (1 - std::pow(1 - double(k) / graded.columns_inside, closeness)));
+        ends.push_back(inner_mm * (1 - std::pow(1 - double(k) / graded.columns_inside, closeness)));
+    if (graded.face)
+        for (int k = 1; k <= graded.columns_edge; ++k)
+            // x = R + e - e cos(k 90 deg / n), the angle counted from the bore
+            ends.push_back(graded.edge_mm -
+                           graded.face->edge_radius_mm *
+                               std::cos(0.5 * std::numbers::pi * k / graded.columns_edge));
+    ends.back() = graded.edge_mm;
     const double last = ends.back() - ends[ends.size() - 2];
     const double room = graded.width_mm - graded.edge_mm;
     for (const double x : geometric_ends(std::min(last, room / graded.columns_outside), room,
@@ -64,13 +76,18 @@ public:
           curve_(is_level_ ? std::vector<double>{0, 1, 2} : graded.surface_x_mm,
                  is_level_ ? std::vector<double>{0, 0, 0} : graded.surface_y_mm),
           first_(is_level_ ? 0 : graded.surface_x_mm.front()),
-          last_(is_level_ ? 0 : graded.surface_x_mm.back()) {}
-    double at(double x) const { return is_level_ ? 0 : curve_.at(std::clamp(x, first_, last_)); }
+          last_(is_level_ ? 0 : graded.surface_x_mm.back()),
+          face_(graded.face) {}
+    double at(double x) const {
+        const double y = is_level_ ? 0 : curve_.at(std::clamp(x, first_, last_));
+        return face_ ? face_->below(x, y) : y;
+    }
 
 private:
     bool is_level_;
     SmoothCurve curve_;
     double first_, last_;
+    std::optional<TubeFace> face_;
 };
 
 /// Sine of the angle at b from a to c.
@@ -95,6 +112,12 @@ void refuse_folds(const SolidMesh& mesh) {
     }
 }
 
+std::vector<double> first_nodes(const SolidMesh& mesh, int count) {
+    std::vector<double> values(mesh.nodes.size(), 0.0);
+    std::fill_n(values.begin(), count, 1.0);
+    return values;
+}
+
 void check_graded(const GradedSettings& graded) {
     if (!(graded.edge_mm < graded.width_mm))
         throw Error(ErrorCode::invalid_argument, "a graded mesh needs edge_mm below width_mm");
@@ -106,6 +129,15 @@ void check_graded(const GradedSettings& graded) {
 }
 
 }  // namespace
+
+// the rounded edge: centre (R + e, e), radius e
+double TubeFace::below(double x_mm, double y_mm) const {
+    const double away = end_mm() - x_mm;
+    if (away <= 0) return std::min(y_mm, 0.0);
+    if (away >= edge_radius_mm) return y_mm;
+    const double edge = edge_radius_mm - std::sqrt(edge_radius_mm * edge_radius_mm - away * away);
+    return std::min(y_mm, edge);
+}
 
 bool has_surface(const GradedSettings& graded) { return !graded.surface_x_mm.empty(); }
 
@@ -138,12 +170,11 @@ SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation) {
 }
 
 std::vector<double> graded_surface(const GradedSettings& graded, const SolidMesh& mesh) {
-    const std::size_t count =
-        static_cast<std::size_t>((graded.columns_inside + graded.columns_outside) * graded.refine) +
-        1;
-    std::vector<double> surface(mesh.nodes.size(), 0.0);
-    std::fill_n(surface.begin(), count, 1.0);
-    return surface;
+    return first_nodes(mesh, (num_inside(graded) + graded.columns_outside) * graded.refine + 1);
+}
+
+std::vector<double> graded_inside(const GradedSettings& graded, const SolidMesh& mesh) {
+    return first_nodes(mesh, num_inside(graded) * graded.refine + 1);
 }
 
 }  // namespace palpate

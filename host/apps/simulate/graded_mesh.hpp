@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,25 @@
 
 namespace palpate {
 
+/// The lower face of a tube about the axis that stands on y = 0, rounded towards its hole: nothing
+/// in the hole, level from the edge's end at hole_radius + edge_radius on.
+struct TubeFace {
+    double hole_radius_mm = 0, edge_radius_mm = 0;
+
+    double end_mm() const { return hole_radius_mm + edge_radius_mm; }
+    /// A height at a distance from the axis, kept below the face.
+    double below(double x_mm, double y_mm) const;
+};
+
 /// Quadrilaterals under a surface that something with an edge is set on: a tube, a punch. x runs
 /// from the axis (or plane of symmetry), y = 0 is the plane of the edge, the body is below.
 struct GradedSettings {
     double width_mm = 0, depth_mm = 0;
-    double edge_mm = 0;  ///< x of the finest columns
+    double edge_mm = 0;            ///< x of the finest columns
+    std::string edge_of;           ///< the tube whose edge that is; empty: none
+    std::optional<TubeFace> face;  ///< of it: the surface is kept below
     int columns_inside = 14, columns_outside = 9, rows = 13;
+    int columns_edge = 4;     ///< under the rounded edge of `face`, at equal angles of it
     double finest_mm = 0.25;  ///< height of the first row
     /// The surface at rest: heights y at ascending x, at least three; level beyond the ends. Empty:
     /// y = 0.
@@ -28,6 +42,9 @@ bool has_surface(const GradedSettings& graded);
 /// The array of a graded mesh that is 1 at nodes of its surface.
 inline constexpr const char* graded_surface_array = "surface";
 
+/// The array that is 1 at nodes of the surface up to the edge.
+inline constexpr const char* graded_inside_array = "inside_edge";
+
 /// Lines of columns come closer toward the edge from both sides; rows grow downward by one factor.
 /// The surface's height dies away with depth,
 ///   y(x, d) = -d + h(x) exp(-d / l) (1 - d / depth),   l = 0.8 edge.
@@ -37,5 +54,7 @@ SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation);
 
 /// 1 at the nodes of the surface [num_nodes].
 std::vector<double> graded_surface(const GradedSettings& graded, const SolidMesh& mesh);
+/// 1 at those of them from x = 0 to the edge [num_nodes].
+std::vector<double> graded_inside(const GradedSettings& graded, const SolidMesh& mesh);
 
 }  // namespace palpate

@@ -73,12 +73,17 @@ void read_surface(const SettingsTable& table, GradedSettings& graded) {
 }
 
 GradedSettings read_graded(const SettingsTable& table) {
-    table.allow_keys({"width_mm", "depth_mm", "edge_mm", "columns_inside", "columns_outside",
-                      "rows", "finest_mm", "surface_x_mm", "surface_y_mm", "refine"});
+    table.allow_keys({"width_mm", "depth_mm", "edge_mm", "edge_of", "columns_inside",
+                      "columns_outside", "rows", "finest_mm", "surface_x_mm", "surface_y_mm",
+                      "refine"});
     GradedSettings graded;
     graded.width_mm = needed_number(table, "width_mm", positive);
     graded.depth_mm = needed_number(table, "depth_mm", positive);
-    graded.edge_mm = needed_number(table, "edge_mm", positive);
+    graded.edge_of = table.text("edge_of").value_or("");
+    if (graded.edge_of.empty())
+        graded.edge_mm = needed_number(table, "edge_mm", positive);
+    else if (table.has("edge_mm"))
+        table.refuse("edge_mm", "give either edge_mm or edge_of");
     const auto count = [&](const char* key, int& value) {
         value = table.whole_number(key, 2, most_divisions).value_or(value);
     };
@@ -264,6 +269,24 @@ void read_dynamics(const SettingsTable& table, SimulationSettings& settings) {
     settings.dynamics = options;
 }
 
+/// The edge of a graded mesh that is that of a tube.
+void set_edge_of_tube(const SettingsTable& mesh, SimulationSettings& settings) {
+    GradedSettings& graded = *settings.mesh.graded;
+    for (const ObstacleSettings& one : settings.obstacles) {
+        const Obstacle& tube = one.obstacle;
+        if (one.name != graded.edge_of || tube.shape != ObstacleShape::tube) continue;
+        if (!tube.place.isZero(0) || tube.direction != Vec3(0, -1, 0))
+            one.source.fail(
+                "the mesh's edge is that of this tube, which so has to have place_mm = [0, 0] and "
+                "direction = [0, -1]");
+        graded.face = TubeFace{tube.radius_mm, tube.edge_radius_mm};
+        graded.edge_mm = graded.face->end_mm();
+        return;
+    }
+    mesh.table("graded")->refuse("edge_of",
+                                 "allowed: the name of an [[obstacle]] of shape \"tube\"");
+}
+
 std::string read_title(const SettingsTable& document) {
     const std::string title = document.text("title").value_or("");
     if (title.size() > longest_title)
@@ -315,6 +338,8 @@ SimulationSettings simulation_of(const SettingsTable& document, const fs::path& 
     else
         refuse_instantaneous(settings.materials);
     read_loads(document, settings);
+    if (settings.mesh.graded && !settings.mesh.graded->edge_of.empty())
+        set_edge_of_tube(*mesh, settings);
     if (const auto newton = document.table("newton")) read_newton(*newton, settings);
     if (const auto dynamics = document.table("dynamics")) {
         if (document.has("newton"))

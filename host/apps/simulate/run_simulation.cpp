@@ -107,6 +107,16 @@ StateColumns columns_at_rest(const PreparedSimulation& prepared, Eigen::Index co
     return columns;
 }
 
+/// Of the nodes at rest, between two models.
+Eigen::VectorXd place_column(const ModelPair& pair) {
+    if (!pair.models[0] || !pair.models[1]) return {};
+    const auto &less = pair.models[0]->mesh.nodes, &more = pair.models[1]->mesh.nodes;
+    Eigen::VectorXd column(3 * Eigen::Index(more.size()));
+    for (std::size_t n = 0; n < more.size(); ++n)
+        column.segment<3>(3 * Eigen::Index(n)) = (more[n] - less[n]) / pair.apart;
+    return column;
+}
+
 /// Sums as those of `support_forces`.
 StateColumns state_columns(const PreparedSimulation& prepared, ColumnsAtTime found) {
     StateColumns columns = columns_at_rest(prepared, found.displacement.cols());
@@ -127,6 +137,8 @@ void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& t
     std::optional<HistoryColumns> columns;
     if (wish.directions) {
         columns.emplace(prepared.model, times, wish.directions(prepared, times));
+        for (const HistoryDirection& direction : columns->directions())
+            result.place_columns.push_back(place_column(direction.pair));
         result.columns.push_back(
             columns_at_rest(prepared, Eigen::Index(columns->directions().size())));
     }

@@ -61,6 +61,8 @@ struct SimulationResult {
     std::vector<SimulationState> states;  ///< the first is the body at rest
     std::vector<SimulationStep> steps;    ///< the last may not have converged
     std::vector<StateColumns> columns;    ///< [states] if directions were given, else empty
+    /// [directions] how nodes at rest change, [3 num_nodes] mm per unit; empty: they do not.
+    std::vector<Eigen::VectorXd> place_columns;
     double num_explicit_steps = 0, longest_explicit_step_s = 0;  ///< of a motion
     /// Who solved with the last tangent, and who had the element loops; none of a motion.
     std::optional<LinearSolverInfo> tangents;

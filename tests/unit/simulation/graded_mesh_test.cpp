@@ -73,6 +73,54 @@ TEST(GradedMesh, AFinerOneHasTheNodesOfTheCoarseOne) {
             EXPECT_LT((fine.nodes[2 * j * 47 + 2 * i] - coarse.nodes[j * 24 + i]).norm(), 1e-12);
 }
 
+/// Under a tube whose rounded edge presses a cap down.
+GradedSettings under_an_edge() {
+    GradedSettings graded = under_a_tube();
+    graded.face = TubeFace{5, 0.3};
+    graded.edge_mm = graded.face->end_mm();
+    graded.surface_x_mm = {0, 2, 4, 6};
+    graded.surface_y_mm = {0.9, 0.6, 0.3, 0.1};
+    return graded;
+}
+
+TEST(GradedMesh, StaysBelowTheRoundedEdgeOfATube) {
+    const GradedSettings graded = under_an_edge();
+    const SolidMesh mesh = graded_mesh(graded, Formulation::axisymmetric);
+    const std::vector<double> surface = graded_surface(graded, mesh),
+                              inside = graded_inside(graded, mesh);
+
+    int on_the_edge = 0;
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+        if (surface[n] == 0) continue;
+        const Vec3& at = mesh.nodes[n];
+        EXPECT_EQ(inside[n] == 1, at.x() < 5.3 + 1e-12);
+        const double from_centre = std::hypot(at.x() - 5.3, at.y() - 0.3);
+        if (at.x() > 5.3) {
+            EXPECT_NEAR(at.y(), 0, 1e-12);
+        } else if (at.x() > 5) {
+            EXPECT_GT(from_centre, 0.3 - 1e-12);
+            on_the_edge += std::abs(from_centre - 0.3) < 1e-12;
+        }
+    }
+    EXPECT_GE(on_the_edge, 3);
+    EXPECT_EQ(std::count(surface.begin(), surface.end(), 1.0), 14 + 4 + 9 + 1);
+}
+
+TEST(GradedMesh, UnderAnEdgeHasAsManyNodesWhateverItsRadius) {
+    GradedSettings graded = under_an_edge();
+    const SolidMesh mesh = graded_mesh(graded, Formulation::axisymmetric);
+    graded.face->edge_radius_mm += 1e-5;
+    graded.edge_mm += 1e-5;
+    const SolidMesh other = graded_mesh(graded, Formulation::axisymmetric);
+
+    ASSERT_EQ(other.elements, mesh.elements);
+    double farthest = 0;
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+        farthest = std::max(farthest, (other.nodes[n] - mesh.nodes[n]).norm());
+    EXPECT_GT(farthest, 1e-6);
+    EXPECT_LT(farthest, 2e-4);
+}
+
 TEST(GradedMesh, FoldsAndSizesThatLeaveNoRoomAreTold) {
     GradedSettings graded = under_a_tube();
     graded.surface_x_mm = {0, 4.9, 5, 5.2};
@@ -85,6 +133,31 @@ TEST(GradedMesh, FoldsAndSizesThatLeaveNoRoomAreTold) {
     graded = under_a_tube();
     graded.width_mm = 5;
     expect_refused([&] { graded_mesh(graded, Formulation::axisymmetric); }, {"edge_mm"});
+}
+
+TEST(GradedMesh, TakesItsEdgeFromATube) {
+    const auto made = [](const std::string& edge, const std::string& place = "[0, 0]",
+                         const std::string& more = "") {
+        return prepared(
+            "[mesh]\nformulation = \"axisymmetric\"\n"
+            "graded = {width_mm = 20, depth_mm = 16, " +
+            edge + "}\n" + one_material +
+            "[[fix]]\nwhere = {side = \"y-min\"}\n"
+            "[[obstacle]]\nname = \"tube\"\nshape = \"tube\"\nplace_mm = " +
+            place +
+            "\ndirection = [0, -1]\nhole_radius_mm = 5\nedge_radius_mm = 0.25\n"
+            "outer_radius_mm = 10\nwhere = {point_array = \"surface\"}\n" +
+            more);
+    };
+    const auto tube = made("edge_of = \"tube\"");
+    EXPECT_EQ(tube.model.mesh.num_elements(), 27 * 13);
+    EXPECT_NEAR(tube.model.mesh.nodes[18].x(), 5.25, 1e-12);
+    EXPECT_EQ(tube.point_scalars.at("inside_edge")[18], 1);
+    EXPECT_EQ(tube.point_scalars.at("inside_edge")[19], 0);
+
+    expect_refused([&] { made("edge_of = \"pipe\""); }, {"edge_of", "pipe", "tube"});
+    expect_refused([&] { made("edge_of = \"tube\", edge_mm = 5"); }, {"edge_mm", "either"});
+    expect_refused([&] { made("edge_of = \"tube\"", "[0, 1]"); }, {"\"tube\"", "[0, 0]"});
 }
 
 TEST(GradedMesh, MistakesInAFileAreTold) {
