@@ -143,6 +143,11 @@ private:
                 refuse("unknown is true, or left out");
             return;
         }
+        if (name == "held") {
+            if (!value.is_boolean()) refuse("held is true or false");
+            open.is_held = *value.value<bool>();
+            return;
+        }
         const auto number = value.is_number() ? value.value<double>() : std::nullopt;
         if (!number || !std::isfinite(*number)) refuse(fmt::format("{} is a number", name));
         if (name == "value")
@@ -168,6 +173,7 @@ private:
         if (open.is_unknown == has_value) refuse("it is either unknown or has a value");
         if (has_value && (open.start || open.lowest || open.highest || open.median))
             refuse("beside a value stands its sd alone");
+        if (!has_value && open.is_held) refuse("what is held has a value and its sd");
         if (has_value && open.sd.has_value() == open.sd_ln.has_value())
             refuse("beside a value stands its sd, or the sd_ln of its logarithm");
         if ((open.sd && !(*open.sd > 0)) || (open.sd_ln && !(*open.sd_ln > 0)))

@@ -48,6 +48,7 @@ struct OpenNumber {
     std::optional<double> start = {};  ///< where a search begins
     std::optional<double> lowest = {}, highest = {};
     std::optional<double> median = {};  ///< of the prior
+    bool is_held = false;               ///< data do not change the value
 };
 
 /// Gives the number that stands for an open one. Throws Error(invalid_argument) if there is none.

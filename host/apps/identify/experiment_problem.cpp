@@ -40,7 +40,7 @@ void limit_trial(EquilibriumOptions& newton) {
     newton.max_newton_steps = std::min(newton.max_newton_steps, most_steps);
 }
 
-/// The states moved along a column.
+/// The states moved along a column, and the body at rest.
 SimulationResult moved_along(const SimulationResult& simulation, int column, double distance) {
     SimulationResult moved = simulation;
     for (std::size_t s = 0; s < simulation.columns.size(); ++s) {
@@ -49,6 +49,10 @@ SimulationResult moved_along(const SimulationResult& simulation, int column, dou
         for (std::size_t k = 0; k < columns.force_mn.size(); ++k)
             moved.states[s].force_mn[k] += distance * columns.force_mn[k].col(column);
     }
+    const Eigen::VectorXd& places = simulation.place_columns[std::size_t(column)];
+    std::vector<Vec3>& nodes = moved.prepared.model.mesh.nodes;
+    for (std::size_t n = 0; places.size() > 0 && n < nodes.size(); ++n)
+        nodes[n] += distance * places.segment<3>(3 * Eigen::Index(n));
     return moved;
 }
 

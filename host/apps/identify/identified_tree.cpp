@@ -47,11 +47,14 @@ ResultTree parameter_part(const IdentifiedParameter& one, const std::string& pat
     part.add(Figure{.name = "unit",
                     .value = one.parameter.unit.empty() ? "1" : one.parameter.unit,
                     .title = "Unit"});
-    part.add(Figure{.value = one.parameter.is_nuisance ? "known beforehand, with an error"
-                             : distrust.empty()        ? why_text(one)
-                                                       : distrust,
+    part.add(Figure{.value = one.parameter.is_held
+                                 ? "held at what was told; its error is in all intervals"
+                             : one.parameter.is_nuisance ? "known beforehand, with an error"
+                             : distrust.empty()          ? why_text(one)
+                                                         : distrust,
                     .title = "Why"});
     part.add("is_nuisance", one.parameter.is_nuisance);
+    part.add("is_held", one.parameter.is_held);
     part.add("stands_at_an_end", stands_at_an_end(one));
     part.add("scale", name_of(one.parameter.transform));
     part.add("sd_on_scale", one.sd);

@@ -112,6 +112,7 @@ Parameter parameter_of(const OpenNumber& number) {
         parameter.start = parameter.median = number.value;
         parameter.sd = number.sd_ln ? *number.sd_ln : *number.sd;
         parameter.is_nuisance = true;
+        parameter.is_held = number.is_held;
     }
     if (number.lowest) parameter.lowest = *number.lowest;
     if (number.highest) parameter.highest = *number.highest;

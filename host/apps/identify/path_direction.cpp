@@ -3,12 +3,17 @@
 #include "host/apps/identify/path_direction.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <regex>
+#include <utility>
+#include <vector>
 
 #include "host/apps/simulate/prepare_obstacles.hpp"
 #include "host/apps/simulate/selection.hpp"
+#include "solver/base/error.hpp"
 #include "solver/materials/registry.hpp"
 
 namespace palpate {
@@ -30,6 +35,13 @@ std::optional<std::size_t> parameter_named(const SolidMaterial& material, const 
     for (std::size_t k = 0; k < parameters.size(); ++k)
         if (parameters[k].name == name) return k;
     return std::nullopt;
+}
+
+/// Whether a size of an obstacle is one of the mesh, too: of the tube that its edge is of.
+bool moves_mesh(const SimulationSettings& settings, std::size_t contact, int size) {
+    const auto& graded = settings.mesh.graded;
+    return graded && graded->face && settings.obstacles[contact].name == graded->edge_of &&
+           (size == size_named("hole_radius_mm") || size == size_named("edge_radius_mm"));
 }
 
 /// Penalties of obstacles for which the file gives none, with these materials: [contacts].
@@ -82,6 +94,44 @@ SolidLoads difference(SolidLoads a, const SolidLoads& b) {
     return a;
 }
 
+SolidLoads divided(SolidLoads loads, double by) {
+    loads.displacement /= by;
+    loads.force /= by;
+    for (Vec3& motion : loads.obstacle_motion) motion /= by;
+    for (double& pressure : loads.pressure_kpa) pressure /= by;
+    return loads;
+}
+
+/// A number of the shape, mm: the models on both sides of it are compared, and their loads. Empty
+/// where these have other nodes, or one of them cannot be made.
+std::optional<HistoryDirection> along_shape(
+    const std::string& path, const PreparedSimulation& prepared,
+    const std::function<SimulationSettings(double by)>& moved) {
+    constexpr double half_step_mm = 1e-5;
+    const std::size_t num_times = prepared.time_s.size();
+    ModelPair pair{{}, 2 * half_step_mm};
+    std::array<std::vector<SolidLoads>, 2> loads;
+    try {
+        for (const int side : {0, 1}) {
+            const SimulationSettings settings = moved(side == 0 ? -half_step_mm : half_step_mm);
+            PreparedSimulation other = prepare_simulation(settings);
+            if (other.model.num_dofs() != prepared.model.num_dofs()) return std::nullopt;
+            for (std::size_t step = 0; step < num_times; ++step)
+                loads[side].push_back(other.loads_at(settings, step));
+            pair.models[side] = std::make_shared<const SolidModel>(std::move(other.model));
+        }
+        HistoryDirection direction = along_pair(prepared.model, std::move(pair));
+        direction.name = path;
+        for (std::size_t step = 0; step < num_times; ++step)
+            direction.loads.push_back(
+                divided(difference(loads[1][step], loads[0][step]), 2 * half_step_mm));
+        return direction;
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::cancelled) throw;
+        return std::nullopt;
+    }
+}
+
 /// All loads are linear in the size of each: dL/dp = L(p + 1) - L(p) at every time.
 HistoryDirection along_load(const std::string& path, const PreparedSimulation& prepared,
                             const SimulationSettings& settings, const SimulationSettings& larger) {
@@ -107,6 +157,7 @@ std::optional<HistoryDirection> direction_of(
     static const std::regex of_load(
         R"(move\[\d+\]\.[xyz]_mm|force\[\d+\]\.(total|nodal)_mn\[\d+\]|pressure\[\d+\]\.kpa|)"
         R"(traction\[\d+\]\.kpa\[\d+\]|obstacle\[\d+\]\.motion_mm\[\d+\])");
+    static const std::regex of_shape(R"(mesh\.(graded|rectangle|box)\..*)");
     const SolidModel& model = prepared.model;
     std::smatch found;
     if (std::regex_match(path, found, of_relaxation)) {
@@ -139,6 +190,7 @@ std::optional<HistoryDirection> direction_of(
         const std::size_t contact = index_of(found[1]);
         const int size = size_named(found[2]);
         if (size < 0) return std::nullopt;
+        if (moves_mesh(settings, contact, size)) return along_shape(path, prepared, moved);
         HistoryDirection direction = along_size(model, contact, size);
         // The outer edge is as round as the inner one where the file does not say.
         const bool is_both = found[2] == "edge_radius_mm" &&
@@ -147,6 +199,7 @@ std::optional<HistoryDirection> direction_of(
         if (is_both) direction.sizes[contact][3] = 1;
         return direction;
     }
+    if (std::regex_match(path, of_shape)) return along_shape(path, prepared, moved);
     if (std::regex_match(path, of_load)) return along_load(path, prepared, settings, moved(1));
     return std::nullopt;
 }
