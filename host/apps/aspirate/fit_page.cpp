@@ -155,7 +155,6 @@ std::vector<std::string> AspirationFit::warnings() const {
 ResultTree fit_tree(const AspirationFit& fit) {
     ResultTree tree = identified_tree(*fit.best().found);
     tree.name = "aspiration";
-    doubt_edge_radius(tree);
     tree.children.insert(tree.children.begin(), tissue_tree(*fit.best().found));
     ResultTree seen{.name = "film", .title = "What was looked at"};
     seen.add(Figure{.name = "model", .value = fit.best().name, .title = "Model"});

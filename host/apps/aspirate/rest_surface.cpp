@@ -107,8 +107,7 @@ FoundRest find_rest(const std::vector<FrameProfile>& frames, double lowest_mm,
         const double z =
             r > found.seen_to_mm ? hidden_height(r, height_mm, end_mm) : std::max(0.0, height_mm);
         found.surface.r_mm.push_back(r);
-        found.surface.z_mm.push_back(k == count ? 0
-                                                : below_tube(r, z, hole_radius_mm, edge_radius_mm));
+        found.surface.z_mm.push_back(k == count ? 0 : z);
     }
     return found;
 }

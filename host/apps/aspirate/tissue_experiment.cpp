@@ -78,8 +78,7 @@ AspirationBody body_of(const AspirationSettings& settings, const SuckedBody& suc
 
 }  // namespace
 
-void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm, double hole_radius_mm,
-               double edge_radius_mm) {
+void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
     std::vector<double> r_mm = hidden_places_of(sucked), z_mm = by_mm;
     if (sucked.seen_to_mm > 0) {
         r_mm.insert(r_mm.begin(), sucked.seen_to_mm);
@@ -94,8 +93,7 @@ void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm, double hole
             const double share = (rest.r_mm[k] - r_mm[p - 1]) / (r_mm[p] - r_mm[p - 1]);
             if (share < 0 || share >= 1) continue;
             const double z = rest.z_mm[k] + z_mm[p - 1] + share * (z_mm[p] - z_mm[p - 1]);
-            rest.z_mm[k] = below_tube(rest.r_mm[k], hidden_height(rest.r_mm[k], z, end_mm),
-                                      hole_radius_mm, edge_radius_mm);
+            rest.z_mm[k] = hidden_height(rest.r_mm[k], z, end_mm);
         }
     sucked.moved_mm.resize(by_mm.size(), 0.0);
     for (std::size_t k = 0; k < by_mm.size(); ++k) sucked.moved_mm[k] += by_mm[k];

@@ -23,9 +23,8 @@ struct SuckedBody {
 };
 
 /// Moves the hidden part of the surface at rest by what a fit found of `rest_error` [numbers of the
-/// experiment's text that are open], still below the tube. The prior stays where the guess was.
-void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm, double hole_radius_mm,
-               double edge_radius_mm);
+/// experiment's text that are open]. The prior stays where the guess was.
+void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm);
 
 /// The model of a law with `num_terms` relaxation terms, whose numbers are those of the start.
 std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,

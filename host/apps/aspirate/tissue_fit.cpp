@@ -35,6 +35,8 @@ constexpr int most_rest_rounds = 4;
 constexpr double settled_rest_mm = 0.01, most_left_rest_mm = 0.05;
 /// Until then a fit is only good for the surface.
 constexpr double gain_for_rest = 0.2;
+/// At its end: what is left is a third of an sd, far less than models have wrong.
+constexpr double gain_at_end = 0.05;
 constexpr int noise_rounds_for_rest = 2;
 /// Of each number of the tissue: what outlines, the guess of the rest and contact at the rim leave
 /// that no residual shows. Of films, those of another solver too (docs/aspiration.md).
@@ -138,10 +140,10 @@ std::vector<std::string> warnings_of(const IdentifiedExperiment& found, double t
 }
 
 /// [num_parameter]
-Eigen::VectorXd model_sds(const std::vector<IdentifiedParameter>& parameters) {
+Eigen::VectorXd model_sds(const std::vector<Parameter>& parameters) {
     Eigen::VectorXd sds(Eigen::Index(parameters.size()));
     for (std::size_t k = 0; k < parameters.size(); ++k) {
-        const std::string& name = parameters[k].parameter.name;
+        const std::string& name = parameters[k].name;
         sds[Eigen::Index(k)] =
             name == "gamma" || name == "c2_kpa" ? model_sd_ln_of_stiffening : model_sd_ln;
     }
@@ -162,6 +164,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
         take_tangent_options(values, model.newton);
     };
     FitOptions options;
+    options.gauss_newton.gain_tolerance = gain_at_end;
     bool is_settled = false;
     for (int round = 1; !is_settled; ++round) {
         tried.experiment_toml = experiment_text(settings, sucked, suction, law, num_terms);
@@ -189,8 +192,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
             report_progress(progress, "fit", 0, tried.name);
             found = fit(problem, options, progress);
         } else {
-            move_rest(sucked, error_mm, 0.5 * settings.hole_diameter_mm.value,
-                      settings.edge_radius_mm.value);
+            move_rest(sucked, error_mm);
             for (const Eigen::Index k : errors) options.start[k] = 0;
         }
         num_simulation += problem.num_simulation();
@@ -198,9 +200,12 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
     IdentifiedExperiment& found = *tried.found;
     report_progress(progress, "intervals", 0, tried.name);
-    found.identified = identify(problem, found.fit, {}, progress);
+    const Eigen::VectorXd model_sd = model_sds(tried.experiment->parameters());
+    IdentifyOptions judging;
+    judging.added_sd = model_sd;
+    found.identified = identify(problem, found.fit, judging, progress);
     found.num_simulation = num_simulation + problem.num_simulation();
-    check_mesh(configure, found, progress, model_sds(found.identified.parameters));
+    check_mesh(configure, found, progress, model_sd);
     const double travel_mm =
         *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end());
     found.misfit = misfit_of(found, travel_mm);

@@ -75,19 +75,4 @@ std::string tissue_sentence(const IdentifiedExperiment& found) {
     return text;
 }
 
-void doubt_edge_radius(ResultTree& result) {
-    for (ResultTree::Child& child : result.children) {
-        auto* list = std::get_if<ResultTree>(&child);
-        if (!list || list->name != "parameters") continue;
-        for (ResultTree::Child& one : list->children) {
-            auto& part = std::get<ResultTree>(one);
-            if (part.name.find("edge_radius_mm") == std::string::npos) continue;
-            for (ResultTree::Child& entry : part.children)
-                if (auto* figure = std::get_if<Figure>(&entry); figure && figure->title == "Why")
-                    figure->value = std::string(
-                        "takes up what else is off at the rim: do not read it, nor its interval");
-        }
-    }
-}
-
 }  // namespace palpate

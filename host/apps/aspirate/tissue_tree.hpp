@@ -16,7 +16,4 @@ ResultTree tissue_tree(const IdentifiedExperiment& found);
 /// "mu 0.7 kPa, gamma 12, C 0.4, tau 3 s", as formulas have them.
 std::string tissue_sentence(const IdentifiedExperiment& found);
 
-/// Says of the edge's radius among the parameters of a result that it is not to be read.
-void doubt_edge_radius(ResultTree& result);
-
 }  // namespace palpate

@@ -11,7 +11,7 @@
 namespace palpate {
 
 /// The tissue's surface before suction: heights over the rim's lower face at distances from the
-/// axis, ascending from 0; level beyond the last.
+/// axis, ascending from 0; level beyond the last. The model keeps it below the tube.
 struct RestSurface {
     std::vector<double> r_mm, z_mm;  ///< at least three
 };
@@ -48,10 +48,8 @@ struct AspirationBody {
 /// face, suction that follows the surface, time from the begin of suction.
 std::string aspiration_model_text(const AspirationBody& body);
 
-/// The surface of a cap: h (1 - (r / radius)^2)^1.25, sampled, below the tube's rounded edge.
+/// The surface of a cap: h (1 - (r / radius)^2)^1.25, sampled to where the tube's face is level.
 RestSurface cap_surface(double height_mm, double hole_radius_mm, double edge_radius_mm);
-/// A height at a distance from the axis, kept out of the tube.
-double below_tube(double r_mm, double z_mm, double hole_radius_mm, double edge_radius_mm);
 
 /// Young's modulus from how far a suction pulls tissue into a tube (Theret et al. 1988, rim of
 /// usual width),

@@ -21,6 +21,12 @@ struct SettingNumber {
         if (!sd) return fmt::format("{:.10g}", value * factor);
         return fmt::format("{{value = {:.10g}, sd = {:.6g}}}", value * factor, *sd * factor);
     }
+    /// The same of one that data are not to change.
+    std::string held_text(double factor = 1) const {
+        std::string told = text(factor);
+        if (sd) told.insert(told.size() - 1, ", held = true");
+        return told;
+    }
     /// Of its size: {value = 1, sd = sd / value}; "1" if it is given.
     std::string scale_text() const {
         if (!sd) return "1";

@@ -19,6 +19,7 @@ constexpr double begin_part = 0.005, most_at_first = 0.05;  // of the peak
 constexpr double straight_part = 0.004;
 constexpr double least_reading_mbar = -0.5;  // a sensor's zero may be off by so much
 constexpr double first_part = 0.1;           // of the longest step, behind a kink
+constexpr double sharp_turn = 0.1;  // of the share in a longest step: milder ones get longer
 constexpr double growth = 1.5;
 
 [[noreturn]] void refuse(const std::string& source, const std::string& why) {
@@ -133,11 +134,21 @@ SuctionSteps suction_steps(const Suction& suction, double end_s, int count) {
         if (kink > kinks.back() + 0.2 * longest_s && kink < end_s - 0.2 * longest_s)
             kinks.push_back(kink);
     kinks.push_back(end_s);
+    const auto slope_behind = [&](std::size_t kink) {  // of the share, 1/s
+        return (suction.at(kinks[kink + 1]) - suction.at(kinks[kink])) /
+               (suction.peak_kpa() * (kinks[kink + 1] - kinks[kink]));
+    };
+    // how much the share turns away from a straight line in a longest step
+    const auto first_part_behind = [&](std::size_t kink) {
+        const double turn =
+            std::abs(slope_behind(kink) - (kink > 0 ? slope_behind(kink - 1) : 0.0)) * longest_s;
+        return turn > 0 ? std::clamp(first_part * sharp_turn / turn, first_part, 1.0) : 1.0;
+    };
     SuctionSteps steps;
     for (std::size_t k = 1; k < kinks.size(); ++k) {
         const double span_s = kinks[k] - kinks[k - 1];
         std::vector<double> ends{0};
-        for (double step = first_part * longest_s; ends.back() < span_s * (1 - 1e-9);
+        for (double step = longest_s * first_part_behind(k - 1); ends.back() < span_s * (1 - 1e-9);
              step = std::min(growth * step, longest_s))
             ends.push_back(ends.back() + step);
         for (std::size_t n = 1; n < ends.size(); ++n) {
