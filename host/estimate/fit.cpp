@@ -45,8 +45,8 @@ FirstPrediction first_prediction(const DataProblem& problem, const FitOptions& o
         const Eigen::VectorXd values = k == 0   ? start
                                        : k == 1 ? medians_of(parameters)
                                                 : draw_from_priors(parameters, random);
-        PredictionAttempt made =
-            checked_prediction(problem, values, PredictedColumns::wanted, nullptr);
+        PredictionAttempt made = checked_prediction(problem, values, PredictedColumns::wanted,
+                                                    k == 0 ? options.warm.get() : nullptr);
         if (made.prediction) {
             const char* note = k == 0   ? ""
                                : k == 1 ? "the priors' medians"

@@ -39,6 +39,8 @@ struct FitOptions {
     /// Where to begin, [num_parameter] on the parameters' own scales; empty: the parameters'
     /// starts.
     Eigen::VectorXd start;
+    /// A prediction of this problem, at the start or near it, that saves one; may be null.
+    std::shared_ptr<const Prediction> warm = {};
     /// Whether the priors' medians and draws are tried where the start has no prediction.
     bool tries_other_starts = true;
 };

@@ -190,6 +190,7 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
                                  [](double error) { return std::abs(error) < settled_rest_mm; });
         if (is_settled) {
             report_progress(progress, "fit", 0, tried.name);
+            options.warm = found.prediction;  // of the rough fit on this surface, if there was one
             found = fit(problem, options, progress);
         } else {
             move_rest(sucked, error_mm);

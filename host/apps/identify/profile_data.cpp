@@ -55,12 +55,16 @@ public:
         const std::vector<double> rise_mm = rise_of(nodes, simulation.mesh());
         std::vector<std::optional<SmoothCurve>> curves(simulation.states.size());
         const bool is_about_axis = simulation.mesh().formulation == Formulation::axisymmetric;
+        double farthest_mm = 0;
+        for (const double r : r_mm_)
+            farthest_mm = std::max(farthest_mm, (is_about_axis ? std::abs(r) : r) / r_scale_);
         Eigen::VectorXd rows(block_.num_row());
         for (std::size_t row = 0; row < r_mm_.size(); ++row) {
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);
             const double r = is_about_axis ? std::abs(r_mm_[row]) : r_mm_[row];
             const auto z_at = [&](std::size_t k) {
-                if (!curves[k]) curves[k] = surface_profile(simulation, nodes, k, rise_mm);
+                if (!curves[k])
+                    curves[k] = surface_profile(simulation, nodes, k, farthest_mm, rise_mm);
                 return z_scale_ * curves[k]->at(r / r_scale_);
             };
             const double first = z_at(before);

@@ -24,16 +24,20 @@ std::vector<Index> nodes_along(const Selection& surface, const SimulationResult&
 }
 
 SmoothCurve surface_profile(const SimulationResult& simulation, const std::vector<Index>& nodes,
-                            std::size_t state, const std::vector<double>& rise_mm) {
+                            std::size_t state, double farthest_mm,
+                            const std::vector<double>& rise_mm) {
     const SimulationState& at = simulation.states[state];
     std::vector<double> r, z;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
         const Index node = nodes[k];
         const Vec3 place = simulation.mesh().nodes[node] + at.displacement.segment<3>(3 * node);
-        if (!r.empty() && !(place.x() > r.back()))
-            throw Error(
-                ErrorCode::solve_failed,
-                fmt::format("the surface overhangs at {:g} s: z(r) is no function", at.time_s));
+        if (!r.empty() && !(place.x() > r.back())) {
+            if (r.size() > 2 && r.back() >= farthest_mm) break;
+            throw Error(ErrorCode::solve_failed,
+                        fmt::format("the surface overhangs at {:g} s, {:.3g} mm from the axis: "
+                                    "z(r) is no function",
+                                    at.time_s, place.x()));
+        }
         r.push_back(place.x());
         z.push_back(place.y() + (rise_mm.empty() ? 0 : rise_mm[k]));
     }

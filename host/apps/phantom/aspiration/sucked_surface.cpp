@@ -59,9 +59,12 @@ std::optional<SuckedSurface> sucked_surface(const AspirationBody& body, double b
     const std::vector<Index> nodes = nodes_along(surface, result);
     std::vector<double> time_s;
     std::vector<SmoothCurve> curves;
+    // what is beyond hangs over the bore's wall: the curve goes on straight there
+    constexpr double beside_the_bore = 0.97;
+    const double hole_radius_mm = 0.5 * body.hole_diameter_mm.value;
     for (std::size_t k = 0; k < result.states.size(); ++k) {
         time_s.push_back(begin_s + result.states[k].time_s);
-        curves.push_back(surface_profile(result, nodes, k));
+        curves.push_back(surface_profile(result, nodes, k, beside_the_bore * hole_radius_mm));
     }
     return SuckedSurface(std::move(time_s), std::move(curves));
 }
