@@ -85,11 +85,14 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
         "what that leaves unknown.",
         what);
     std::string far;
-    for (const IdentifiedParameter& one : found.identified.parameters)
-        if (std::abs(one.discretisation_shift) > one.sd && !one.parameter.is_nuisance)
+    for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
+        const IdentifiedParameter& one = found.identified.parameters[k];
+        const double sd = std::hypot(one.sd, model_sd.size() > 0 ? model_sd[Eigen::Index(k)] : 0.0);
+        if (std::abs(one.discretisation_shift) > sd && !one.parameter.is_nuisance)
             far += fmt::format("{}{} by {:.1f} sd", far.empty() ? "" : ", ",
                                harmless(label_of(one.parameter)),
-                               std::abs(one.discretisation_shift) / one.sd);
+                               std::abs(one.discretisation_shift) / sd);
+    }
     if (!far.empty())
         found.mesh_check_sentence +=
             " Warning: that moved " + far + "; refine mesh and time steps.";

@@ -112,12 +112,6 @@ void refuse_folds(const SolidMesh& mesh) {
     }
 }
 
-std::vector<double> first_nodes(const SolidMesh& mesh, int count) {
-    std::vector<double> values(mesh.nodes.size(), 0.0);
-    std::fill_n(values.begin(), count, 1.0);
-    return values;
-}
-
 void check_graded(const GradedSettings& graded) {
     if (!(graded.edge_mm < graded.width_mm))
         throw Error(ErrorCode::invalid_argument, "a graded mesh needs edge_mm below width_mm");
@@ -170,11 +164,10 @@ SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation) {
 }
 
 std::vector<double> graded_surface(const GradedSettings& graded, const SolidMesh& mesh) {
-    return first_nodes(mesh, (num_inside(graded) + graded.columns_outside) * graded.refine + 1);
-}
-
-std::vector<double> graded_inside(const GradedSettings& graded, const SolidMesh& mesh) {
-    return first_nodes(mesh, num_inside(graded) * graded.refine + 1);
+    const int columns = num_inside(graded) + graded.columns_outside;
+    std::vector<double> surface(mesh.nodes.size(), 0.0);
+    std::fill_n(surface.begin(), columns * graded.refine + 1, 1.0);
+    return surface;
 }
 
 }  // namespace palpate

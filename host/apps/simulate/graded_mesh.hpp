@@ -42,9 +42,6 @@ bool has_surface(const GradedSettings& graded);
 /// The array of a graded mesh that is 1 at nodes of its surface.
 inline constexpr const char* graded_surface_array = "surface";
 
-/// The array that is 1 at nodes of the surface up to the edge.
-inline constexpr const char* graded_inside_array = "inside_edge";
-
 /// Lines of columns come closer toward the edge from both sides; rows grow downward by one factor.
 /// The surface's height dies away with depth,
 ///   y(x, d) = -d + h(x) exp(-d / l) (1 - d / depth),   l = 0.8 edge.
@@ -54,7 +51,5 @@ SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation);
 
 /// 1 at the nodes of the surface [num_nodes].
 std::vector<double> graded_surface(const GradedSettings& graded, const SolidMesh& mesh);
-/// 1 at those of them from x = 0 to the edge [num_nodes].
-std::vector<double> graded_inside(const GradedSettings& graded, const SolidMesh& mesh);
 
 }  // namespace palpate

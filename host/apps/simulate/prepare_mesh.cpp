@@ -49,7 +49,6 @@ void make_graded(const MeshSettings& settings, SolidMeshFile& file) {
         settings.source.fail(error.what());
     }
     file.point_scalars[graded_surface_array] = graded_surface(*settings.graded, file.mesh);
-    file.point_scalars[graded_inside_array] = graded_inside(*settings.graded, file.mesh);
 }
 
 }  // namespace

@@ -223,7 +223,7 @@ std::string suction(const std::string& edge) {
            "outer_radius_mm = 10\nfriction = {unknown = true, start = 0.2}\n"
            "stiffness_kpa_per_mm = 500\nwhere = {point_array = \"surface\"}\n"
            "[[pressure]]\nkpa = -1\nfollows = true\ncolumn = \"suck\"\n"
-           "where = {point_array = \"inside_edge\"}\n"
+           "where = {point_array = \"surface\", to_mm = [5.201, 9]}\n"
            "[history]\ntime_s = [1, 2, 3, 4]\nsuck = [1.5, 3, 3, 1]\n"
            "[newton]\nrelative_tolerance = 1e-12\n"
            "[[data]]\nkind = \"profile\"\nfile = \"z.csv\"\nsd_mm = 0.02\n"

@@ -26,6 +26,12 @@ std::string list_of(const std::vector<double>& values) {
     return "[" + text + "]";
 }
 
+/// The suction acts so far: on tissue that comes off the rim, too. Where it touches the rim bears
+/// as much more.
+double middle_of_rim_mm(const AspirationBody& body) {
+    return 0.25 * (body.hole_diameter_mm.value + body.outer_diameter_mm);
+}
+
 std::string tissue_text(const AspirationBody& body) {
     std::string text = fmt::format("[[material]]\nlaw = \"{}\"\n", body.tissue.law);
     for (const auto& [name, value] : body.tissue.parameters)
@@ -83,9 +89,9 @@ std::string aspiration_model_text(const AspirationBody& body) {
         std::min(body.edge_radius_mm.value, 0.1 * body.hole_diameter_mm.value),
         body.contact_kpa_per_mm, body.friction.text());
     text += fmt::format(
-        "\n[[pressure]]\nname = \"suction\"\nwhere = {{point_array = \"inside_edge\"}}\n"
-        "kpa = {:.8g}\nfollows = true\ncolumn = \"share\"\n",
-        -body.peak_kpa);
+        "\n[[pressure]]\nname = \"suction\"\nwhere = {{point_array = \"surface\", to_mm = [{:.6g}, "
+        "100]}}\nkpa = {:.8g}\nfollows = true\ncolumn = \"share\"\n",
+        middle_of_rim_mm(body), -body.peak_kpa);
     text += fmt::format("\n[history]\ntime_s = {}\nshare = {}\n", list_of(body.steps.time_s),
                         list_of(body.steps.share));
     return text;
