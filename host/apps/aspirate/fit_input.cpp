@@ -154,12 +154,36 @@ double asymmetry_of(const std::vector<ThinPoint>& points) {
     return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
-void take_points(const ProfileSeries& profiles, const AspirationSettings& settings,
-                 AspirationFitInput& input) {
+/// Means over the frames at rest, at their mean time. What a model has wrong is nothing there: data
+/// that leave this out may be met by a model that is off by as much at all times.
+void take_rest(const std::vector<FrameProfile>& frames, double lowest_mm, int bins,
+               AspirationFitInput& input) {
+    double time_s = 0;
+    for (const FrameProfile& frame : frames)
+        time_s += (frame.time_s - input.begin_s) / double(frames.size());
+    for (int k = -bins; k <= bins; ++k) {
+        ThinPoint sum{time_s, k * bin_mm, 0, 0};
+        std::size_t count = 0;
+        for (const FrameProfile& frame : frames)
+            if (const auto mean = mean_near(frame, k * bin_mm, 0.5 * bin_mm, lowest_mm)) {
+                sum.z_mm += mean->z_mm;
+                sum.sd_mm += mean->sd_mm;
+                ++count;
+            }
+        if (2 * count < frames.size() || count == 0) continue;
+        sum.z_mm /= double(count);
+        sum.sd_mm /= double(count);
+        input.points.push_back(sum);
+    }
+}
+
+void take_points(const ProfileSeries& profiles, const std::vector<FrameProfile>& at_rest,
+                 const AspirationSettings& settings, AspirationFitInput& input) {
     const double lowest_mm = settings.instrument.rim_thickness_mm + above_rim_mm;
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
     const auto frames = chosen_frames(profiles, input.steps, input.begin_s, settings.delay_s.value);
     const int bins = int(radius_mm / bin_mm);
+    take_rest(at_rest, lowest_mm, bins, input);
     for (const FrameProfile* frame : frames) {
         bool is_used = false;
         for (int k = -bins; k <= bins; ++k) {
@@ -245,12 +269,13 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
                         "its column",
                         suction.peak_kpa() / kpa_per_mbar, suction.peak_kpa()));
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
-    input.rest = find_rest(frames_at_rest(within, suction, input.begin_s, delay_s),
-                           settings.instrument.rim_thickness_mm + above_rim_mm, radius_mm,
+    const std::vector<FrameProfile> at_rest =
+        frames_at_rest(within, suction, input.begin_s, delay_s);
+    input.rest = find_rest(at_rest, settings.instrument.rim_thickness_mm + above_rim_mm, radius_mm,
                            settings.edge_radius_mm.value);
     warn_of_rest(input.rest, input.warnings);
     input.steps = suction_steps(suction, within.back().time_s - delay_s, settings.steps);
-    take_points(within, settings, input);
+    take_points(within, at_rest, settings, input);
     input.apex = travel_of(within, suction, input.rest.surface, settings, input.begin_s);
     if (input.apex.travel_mm.empty() ||
         *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end()) <

@@ -31,14 +31,14 @@ class ProfileData final : public MeasuredData {
 public:
     explicit ProfileData(const DataSource& source)
         : table_(source.table),
-          times_(source.numbers),
+          rest_is_measured_(source.table.choice("rest", {"modelled", "measured"}) == "measured"),
+          times_(source.numbers, rest_is_measured_ ? any_number.low : 0),
           r_mm_(source.numbers.values("r_mm")),
           r_scale_(source.table.number("r_scale", positive).value_or(1)),
           z_scale_(source.table.number("z_scale", positive).value_or(1)),
           delay_s_(source.table.number("delay_s", any_number).value_or(0)),
           tilt_(source.table.number("tilt", any_number).value_or(0)) {
         read_rest_error(source.table);
-        rest_is_measured_ = source.table.choice("rest", {"modelled", "measured"}) == "measured";
         const auto where = source.table.table("where");
         if (!where) source.table.missing("where", "where = {side = \"y-max\"}, for example");
         surface_ = read_selection(*where);
@@ -120,11 +120,11 @@ private:
     }
 
     SettingsTable table_;
+    bool rest_is_measured_ = false;
     MeasuredTimes times_;
     std::vector<double> r_mm_;
     double r_scale_ = 1, z_scale_ = 1, delay_s_ = 0, tilt_ = 0;
     std::vector<double> error_r_mm_, error_z_mm_;
-    bool rest_is_measured_ = false;
     Selection surface_;
 };
 

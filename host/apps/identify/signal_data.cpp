@@ -10,11 +10,13 @@
 #include "solver/base/error.hpp"
 
 namespace palpate {
-MeasuredTimes::MeasuredTimes(const NumberTable& numbers) : num_row_(numbers.rows.size()) {
+MeasuredTimes::MeasuredTimes(const NumberTable& numbers, double earliest_s)
+    : num_row_(numbers.rows.size()) {
     if (!numbers.find("time_s")) return;
     time_s_ = numbers.values("time_s");
     for (std::size_t row = 0; row < time_s_.size(); ++row)
-        if (time_s_[row] < 0) numbers.refuse_row(row, "a time is before 0 s, when the load begins");
+        if (time_s_[row] < earliest_s)
+            numbers.refuse_row(row, "a time is before 0 s, when the load begins");
 }
 
 MeasuredTimes::Between MeasuredTimes::at(const SimulationResult& simulation, std::size_t row,

@@ -12,7 +12,8 @@ namespace palpate {
 /// When rows were measured. Without a column `time_s` they are of the end of the load.
 class MeasuredTimes {
 public:
-    explicit MeasuredTimes(const NumberTable& numbers);
+    /// `earliest_s`: 0, or less where what is before the load tells something, too.
+    explicit MeasuredTimes(const NumberTable& numbers, double earliest_s = 0);
 
     bool are_given() const { return !time_s_.empty(); }
     const std::vector<double>& time_s() const { return time_s_; }

@@ -19,6 +19,7 @@ constexpr double begin_part = 0.005, most_at_first = 0.05;  // of the peak
 constexpr double straight_part = 0.004;
 constexpr double least_reading_mbar = -0.5;  // a sensor's zero may be off by so much
 constexpr double first_part = 0.1;           // of the longest step, behind a kink
+constexpr double most_change = 1.0 / 12;     // of the share, in a step: between steps it is a line
 constexpr int least_between_kinks = 3;       // steps: a curve leaves its chord by a ninth as much
 constexpr double sharp_turn = 0.1;  // of the share in a longest step: milder ones get longer
 constexpr double growth = 1.5;
@@ -149,7 +150,9 @@ SuctionSteps suction_steps(const Suction& suction, double end_s, int count) {
     for (std::size_t k = 1; k < kinks.size(); ++k) {
         const double span_s = kinks[k] - kinks[k - 1];
         std::vector<double> ends{0};
-        const double longest_here_s = std::min(longest_s, span_s / least_between_kinks);
+        const double change = std::abs(slope_behind(k - 1)) * span_s;
+        const double least = std::max<double>(least_between_kinks, change / most_change);
+        const double longest_here_s = std::min(longest_s, span_s / least);
         for (double step = std::min(longest_here_s, longest_s * first_part_behind(k - 1));
              ends.back() < span_s * (1 - 1e-9); step = std::min(growth * step, longest_here_s))
             ends.push_back(ends.back() + step);
