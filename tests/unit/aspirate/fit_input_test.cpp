@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/fit_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double begin_s = 1, peak_kpa = 2;
+
+AspirationSettings settings() {
+    return parse_aspiration_settings(
+        "[instrument]\nhole_diameter_mm = 10\nedge_radius_mm = 0.2\nrim_thickness_mm = 0.5\n"
+        "pixel_r_um = 60\npixel_z_um = 30\nbase_row_px = 150\n[frames]\nrate_hz = 25\n",
+        "film.toml", {}, AspirationPart::tissue);
+}
+
+Suction suction() { return {{0, begin_s, 3, 5, 7, 10}, {0, 0, peak_kpa, peak_kpa, 0, 0}}; }
+
+/// A cap that comes up by 0.3 mm a kPa; `noise` alternates from frame to frame.
+ProfileSeries film(double noise_mm) {
+    ProfileSeries frames;
+    for (int k = 0; k < 250; ++k) {
+        FrameProfile frame;
+        frame.time_s = k / 25.0;
+        const double up_mm =
+            0.3 * suction().at(frame.time_s) + (k % 2 == 0 ? noise_mm : -noise_mm);
+        for (double r = -4.9; r < 4.95; r += 0.06)
+            frame.points.push_back({r, 1.2 * (1 - r * r / 27) + up_mm, 0.01});
+        frames.push_back(frame);
+    }
+    return frames;
+}
+
+TEST(FitInput, FramesBeforeSuctionAreOneRowOfMeansAtTheirMeanTime) {
+    const AspirationFitInput input = make_fit_input(film(0.02), suction(), settings());
+
+    EXPECT_EQ(input.begin_s, begin_s);
+    const double first_s = input.points.front().time_s;
+    EXPECT_NEAR(first_s, -0.5, 0.03);
+    int num_rest = 0;
+    for (const ThinPoint& point : input.points) {
+        if (point.time_s != first_s) {
+            EXPECT_GT(point.time_s, 0);
+            continue;
+        }
+        ++num_rest;
+        // single frames are off by 0.02 mm
+        EXPECT_NEAR(point.z_mm, 1.2 * (1 - point.r_mm * point.r_mm / 27), 0.003);
+        EXPECT_NEAR(point.sd_mm, 0.01, 1e-9);
+    }
+    EXPECT_GE(num_rest, 11);
+    EXPECT_EQ(std::count_if(input.points.begin(), input.points.end(),
+                            [&](const ThinPoint& point) { return point.time_s < first_s; }),
+              0);
+}
+
+TEST(FitInput, WithoutAFrameBeforeSuctionNothingCanBeFitted) {
+    ProfileSeries frames = film(0);
+    frames.erase(frames.begin(), frames.begin() + 40);
+    try {
+        make_fit_input(frames, suction(), settings());
+        FAIL() << "it was accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input_unusable);
+        EXPECT_NE(std::string(error.what()).find("begin to film earlier"), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace palpate
