@@ -175,12 +175,16 @@ BlockFit block_fit(const DataBlock& block, const NoiseModel& noise, Index b) {
 
 /// ln Z = -F + p ln(2 pi) / 2 - ln det H / 2 (Laplace); BIC with the rows that count (Kass and
 /// Raftery 1995, equations 5 and 9).
-void weigh_model(const Fit& fit, const Curvature& curvature, Identified& all) {
+void weigh_model(const Fit& fit, const Curvature& curvature, const Eigen::VectorXd& known_sd,
+                 Identified& all) {
     const double count = static_cast<double>(fit.values.size());
     all.log_evidence = -fit.objective + 0.5 * count * std::log(2.0 * std::numbers::pi) -
                        0.5 * curvature.log_determinant;
-    for (const IdentifiedParameter& found : all.parameters)
-        all.num_determined += 1.0 - std::pow(found.sd / found.parameter.sd, 2);
+    for (std::size_t k = 0; k < all.parameters.size(); ++k) {
+        const Parameter& parameter = all.parameters[k].parameter;
+        if (!parameter.is_held)
+            all.num_determined += 1.0 - std::pow(known_sd[Index(k)] / parameter.sd, 2);
+    }
     for (const BlockFit& block : all.blocks) all.effective_rows += block.effective_rows;
     all.bic = 2.0 * (fit.noise->misfit(*fit.prediction) + fit.noise->normalisation()) +
               all.num_determined * std::log(std::max(all.effective_rows, 1.0));
@@ -227,23 +231,31 @@ Identified identify(const DataProblem& problem, const Fit& fit, const IdentifyOp
     Identified all;
     all.covariance = curvature.covariance;
     all.correlation = correlation_of(all.covariance);
+    const std::vector<Index> held = held_of(parameters);
+    Eigen::MatrixXd information = fit.equations.information;
+    for (const Index k : held) {  // data tell nothing of these
+        information.row(k).setZero();
+        information.col(k).setZero();
+    }
     const ScaledSensitivity sensitivity =
-        prior_scaled_sensitivity(parameters, fit.values, fit.equations.information);
+        prior_scaled_sensitivity(parameters, fit.values, information);
     all.singular_values = sensitivity.singular_values;
     all.best_known = combination_of(parameters, fit.values, all.covariance, sensitivity, 0);
-    all.weakest = combination_of(parameters, fit.values, all.covariance, sensitivity, count - 1);
+    all.weakest = combination_of(parameters, fit.values, all.covariance, sensitivity,
+                                 std::max<Index>(0, count - 1 - Index(held.size())));
     const Eigen::VectorXd degrees = degrees_of_freedom(parameters, fit);
     const Eigen::MatrixXd known = with_held_known(parameters, all.covariance);
+    const Eigen::VectorXd known_sd = known.diagonal().cwiseMax(0.0).cwiseSqrt();
     ProfileSearch profiles(problem, fit, known, options.gauss_newton, progress);
     for (Index k = 0; k < count; ++k) {
         report_progress(progress, "intervals", static_cast<double>(k) / count,
                         label_of(parameters[k]));
-        all.parameters.push_back(identify_parameter(parameters, fit, all, degrees[k],
-                                                    std::sqrt(known(k, k)), profiles, k, options));
+        all.parameters.push_back(identify_parameter(parameters, fit, all, degrees[k], known_sd[k],
+                                                    profiles, k, options));
     }
     for (Index b = 0; b < fit.noise->num_block(); ++b)
         all.blocks.push_back(block_fit(fit.prediction->blocks[b], *fit.noise, b));
-    weigh_model(fit, curvature, all);
+    weigh_model(fit, curvature, known_sd, all);
     all.num_prediction = profiles.num_prediction();
     return all;
 }

@@ -54,6 +54,10 @@ void check_parameter(const Parameter& parameter) {
     if (!(parameter.sd > 0))
         refuse_parameter(parameter,
                          fmt::format("the sd of its prior, {:g}, is not above 0", parameter.sd));
+    if (parameter.is_held &&
+        !(parameter.is_nuisance && parameter.has_prior() && parameter.start == parameter.median))
+        refuse_parameter(parameter,
+                         "what is held is a nuisance with a prior and stays at its median");
     check_number(parameter, parameter.start, "start");
     if (parameter.has_prior()) check_number(parameter, parameter.median, "prior's median");
 }

@@ -188,7 +188,7 @@ private:
     [[noreturn]] void refuse(const std::string& why) const {
         table_.refuse(key_, fmt::format("{}; allowed: \"unknown\", {{unknown = true, start = ..., "
                                         "lowest = ..., highest = ..., median = ..., sd_ln = ...}}, "
-                                        "or {{value = ..., sd = ...}}",
+                                        "or {{value = ..., sd = ..., held = true}}",
                                         why));
     }
 

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "solver/base/error.hpp"
+
 namespace palpate {
 
 HeldBody::HeldBody(std::shared_ptr<const SolidModel> model)
@@ -21,6 +23,9 @@ HeldBody::Push HeldBody::advance(double time_s, const Eigen::VectorXd& u, const 
     contact_.renew_limits(u);
     pressure_.set(loads.pressure_kpa);
     InternalForce inner = solid_.internal_force(u);
+    if (!inner.is_valid)
+        throw Error(ErrorCode::solve_failed,
+                    "matter inverts where a body of nearly the same shape is in equilibrium");
     contact_.add_force(u, inner);
     pressure_.add_force(u, inner);
     ContactState touched = contact_.state(u);

@@ -29,7 +29,7 @@ public:
     HeldBody(const HeldBody&) = delete;
     HeldBody& operator=(const HeldBody&) = delete;
 
-    /// Goes on to the next time.
+    /// Goes on to the next time. Throws Error(solve_failed) where matter inverts.
     ///   u      [3 num_nodes] mm
     ///   loads  obstacles' motions and pressures then; displacements and forces are not used
     Push advance(double time_s, const Eigen::VectorXd& u, const SolidLoads& loads);

@@ -78,8 +78,8 @@ bool is_alike(const SolidModel& a, const SolidModel& b) {
         return list;
     };
     return a.mesh.type == b.mesh.type && a.mesh.nodes.size() == b.mesh.nodes.size() &&
-           a.mesh.elements == b.mesh.elements && a.prescribed == b.prescribed &&
-           faces(a) == faces(b);
+           a.mesh.elements == b.mesh.elements && a.mesh.region == b.mesh.region &&
+           a.prescribed == b.prescribed && faces(a) == faces(b);
 }
 
 }  // namespace
@@ -191,12 +191,15 @@ void check_direction(const HistoryDirection& direction, const SolidModel& model,
     for (std::size_t m = 0; m < direction.relaxation.size(); ++m)
         expect("terms", direction.relaxation[m].size(), model.materials[m].relaxation.size());
     for (const SolidLoads& loads : direction.loads) check_loads(model, loads);
-    for (const auto& other : direction.pair.models)
-        if (other && !(is_alike(*other, model) && direction.pair.apart > 0))
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the direction '{}' is between models of other nodes, elements "
-                                    "or contacts, or of no distance",
-                                    direction.name));
+    const auto& [less, more] = direction.pair.models;
+    if (less || more)
+        if (!less || !more || !is_alike(*less, model) || !is_alike(*more, model) ||
+            !(direction.pair.apart > 0))
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("the direction '{}' is between models of other nodes, elements, "
+                            "regions or contacts, or of no distance",
+                            direction.name));
 }
 
 }  // namespace palpate

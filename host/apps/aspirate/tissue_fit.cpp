@@ -141,8 +141,9 @@ std::vector<std::string> warnings_of(const IdentifiedExperiment& found, double t
 
 /// [num_parameter]
 Eigen::VectorXd model_sds(const std::vector<Parameter>& parameters) {
-    Eigen::VectorXd sds(Eigen::Index(parameters.size()));
+    Eigen::VectorXd sds = Eigen::VectorXd::Zero(Eigen::Index(parameters.size()));
     for (std::size_t k = 0; k < parameters.size(); ++k) {
+        if (parameters[k].is_nuisance || parameters[k].transform != Transform::log) continue;
         const std::string& name = parameters[k].name;
         sds[Eigen::Index(k)] =
             name == "gamma" || name == "c2_kpa" ? model_sd_ln_of_stiffening : model_sd_ln;

@@ -127,7 +127,10 @@ std::optional<HistoryDirection> along_shape(
                 divided(difference(loads[1][step], loads[0][step]), 2 * half_step_mm));
         return direction;
     } catch (const Error& error) {
-        if (error.code() == ErrorCode::cancelled) throw;
+        const bool is_of_shape = error.code() == ErrorCode::invalid_argument ||
+                                 error.code() == ErrorCode::mesh_failed ||
+                                 error.code() == ErrorCode::input_unusable;
+        if (!is_of_shape) throw;
         return std::nullopt;
     }
 }

@@ -57,7 +57,8 @@ public:
         const bool is_about_axis = simulation.mesh().formulation == Formulation::axisymmetric;
         double farthest_mm = 0;
         for (const double r : r_mm_)
-            farthest_mm = std::max(farthest_mm, (is_about_axis ? std::abs(r) : r) / r_scale_);
+            farthest_mm = std::max(farthest_mm,
+                                   (is_about_axis ? std::abs(r) : r) * std::max(1.0, 1 / r_scale_));
         Eigen::VectorXd rows(block_.num_row());
         for (std::size_t row = 0; row < r_mm_.size(); ++row) {
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);

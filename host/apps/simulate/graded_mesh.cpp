@@ -48,7 +48,9 @@ int num_inside(const GradedSettings& graded) {
     return graded.columns_inside + (graded.face ? graded.columns_edge : 0);
 }
 
-std::vector<double> column_ends(const GradedSettings& graded) {
+}  // namespace
+
+std::vector<double> graded_columns(const GradedSettings& graded) {
     std::vector<double> ends;
     const double inner_mm = graded.face ? graded.face->hole_radius_mm : graded.edge_mm;
     for (int k = 0; k <= graded.columns_inside; ++k)
@@ -67,6 +69,8 @@ std::vector<double> column_ends(const GradedSettings& graded) {
         if (x > 0) ends.push_back(graded.edge_mm + x);
     return divided(ends, graded.refine);
 }
+
+namespace {
 
 /// h(x), level beyond the ends.
 class SurfaceHeight {
@@ -114,7 +118,9 @@ void refuse_folds(const SolidMesh& mesh) {
 
 void check_graded(const GradedSettings& graded) {
     if (!(graded.edge_mm < graded.width_mm))
-        throw Error(ErrorCode::invalid_argument, "a graded mesh needs edge_mm below width_mm");
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("a graded mesh needs its edge, at {:g} mm, below width_mm, {:g} mm",
+                                graded.edge_mm, graded.width_mm));
     if (!(graded.finest_mm * graded.rows <= graded.depth_mm))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("{} rows from {:g} mm do not fit into a depth of {:g} mm; take "
@@ -124,20 +130,22 @@ void check_graded(const GradedSettings& graded) {
 
 }  // namespace
 
-// the rounded edge: centre (R + e, e), radius e
+// The rounded edge, centre (R + e, e), radius e, up to where it is half a right angle steep, from
+// there its tangent up to the bore: a steeper step would fold cells.
 double TubeFace::below(double x_mm, double y_mm) const {
-    const double away = end_mm() - x_mm;
+    const double away = end_mm() - x_mm, steep = std::numbers::sqrt2 / 2 * edge_radius_mm;
     if (away <= 0) return std::min(y_mm, 0.0);
-    if (away >= edge_radius_mm) return y_mm;
-    const double edge = edge_radius_mm - std::sqrt(edge_radius_mm * edge_radius_mm - away * away);
-    return std::min(y_mm, edge);
+    if (away > edge_radius_mm * (1 + 1e-9)) return y_mm;
+    if (away > steep) return std::min(y_mm, edge_radius_mm - steep + away - steep);
+    return std::min(y_mm,
+                    edge_radius_mm - std::sqrt(edge_radius_mm * edge_radius_mm - away * away));
 }
 
 bool has_surface(const GradedSettings& graded) { return !graded.surface_x_mm.empty(); }
 
 SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation) {
     check_graded(graded);
-    const std::vector<double> x = column_ends(graded);
+    const std::vector<double> x = graded_columns(graded);
     const std::vector<double> d =
         divided(geometric_ends(graded.finest_mm, graded.depth_mm, graded.rows), graded.refine);
     const SurfaceHeight height(graded);

@@ -16,7 +16,7 @@ struct TubeFace {
     double hole_radius_mm = 0, edge_radius_mm = 0;
 
     double end_mm() const { return hole_radius_mm + edge_radius_mm; }
-    /// A height at a distance from the axis, kept below the face.
+    /// A height at a distance from the axis, kept below the face; in the hole as it is.
     double below(double x_mm, double y_mm) const;
 };
 
@@ -48,6 +48,9 @@ inline constexpr const char* graded_surface_array = "surface";
 /// All with label 1; nodes of the surface come first, along x. Throws Error(mesh_failed) where an
 /// element is folded, saying where, and Error(invalid_argument) for sizes that leave no room.
 SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation);
+
+/// x of the lines of columns, from 0 to the width.
+std::vector<double> graded_columns(const GradedSettings& graded);
 
 /// 1 at the nodes of the surface [num_nodes].
 std::vector<double> graded_surface(const GradedSettings& graded, const SolidMesh& mesh);

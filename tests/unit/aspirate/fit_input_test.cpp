@@ -30,8 +30,7 @@ ProfileSeries film(double noise_mm) {
     for (int k = 0; k < 250; ++k) {
         FrameProfile frame;
         frame.time_s = k / 25.0;
-        const double up_mm =
-            0.3 * suction().at(frame.time_s) + (k % 2 == 0 ? noise_mm : -noise_mm);
+        const double up_mm = 0.3 * suction().at(frame.time_s) + (k % 2 == 0 ? noise_mm : -noise_mm);
         for (double r = -4.9; r < 4.95; r += 0.06)
             frame.points.push_back({r, 1.2 * (1 - r * r / 27) + up_mm, 0.01});
         frames.push_back(frame);

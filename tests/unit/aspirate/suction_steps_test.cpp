@@ -58,8 +58,8 @@ TEST(SuctionSteps, AreShortBehindKinksAndTakeATwelfthOfTheSuctionAtMost) {
     EXPECT_LE(coarseness_of(steps).most_change, 1.0 / 12 + 1e-9);
     EXPECT_NEAR(steps.time_s.back(), end_s - 1, 0.05);
     for (const double kink_s : {1.0, 3.0, 7.0, 9.0}) {
-        const auto behind = std::upper_bound(steps.time_s.begin(), steps.time_s.end(),
-                                             kink_s - 1 + 0.011);
+        const auto behind =
+            std::upper_bound(steps.time_s.begin(), steps.time_s.end(), kink_s - 1 + 0.011);
         const double before_s = behind == steps.time_s.begin() ? 0 : *std::prev(behind);
         EXPECT_LT(*behind - before_s, 0.06) << kink_s;
     }

@@ -119,6 +119,28 @@ TEST(GradedMesh, UnderAnEdgeHasAsManyNodesWhateverItsRadius) {
     EXPECT_LT(farthest, 2e-4);
 }
 
+TEST(GradedMesh, ASteepRestUnderAnEdgeMovesWithItsSizesWithoutAJump) {
+    for (const double hole_mm : {4.0, 5.0})
+        for (const double edge_mm : {0.05, 0.13, 0.2, 0.25}) {
+            const auto nodes_at = [&](double more_hole_mm, double more_edge_mm) {
+                GradedSettings graded = under_an_edge();
+                graded.face = TubeFace{hole_mm + more_hole_mm, edge_mm + more_edge_mm};
+                graded.edge_mm = graded.face->end_mm();
+                // down to the rim at 45 degrees, above the edge at the bore
+                graded.surface_x_mm = {0, hole_mm - 1, hole_mm, hole_mm + edge_mm + 0.1};
+                graded.surface_y_mm = {1.2, 1.1 + edge_mm, 0.1 + edge_mm, 0};
+                return graded_mesh(graded, Formulation::axisymmetric).nodes;
+            };
+            constexpr double h = 1e-5;
+            const auto base = nodes_at(0, 0);
+            for (const auto& moved :
+                 {nodes_at(h, 0), nodes_at(-h, 0), nodes_at(0, h), nodes_at(0, -h)})
+                for (std::size_t n = 0; n < base.size(); ++n)
+                    ASSERT_LT((moved[n] - base[n]).norm(), 20 * h)
+                        << hole_mm << ", " << edge_mm << " at " << base[n].transpose();
+        }
+}
+
 TEST(GradedMesh, FoldsAndSizesThatLeaveNoRoomAreTold) {
     GradedSettings graded = under_a_tube();
     graded.surface_x_mm = {0, 4.9, 5, 5.2};
@@ -130,7 +152,7 @@ TEST(GradedMesh, FoldsAndSizesThatLeaveNoRoomAreTold) {
     expect_refused([&] { graded_mesh(graded, Formulation::axisymmetric); }, {"13 rows", "2 mm"});
     graded = under_a_tube();
     graded.width_mm = 5;
-    expect_refused([&] { graded_mesh(graded, Formulation::axisymmetric); }, {"edge_mm"});
+    expect_refused([&] { graded_mesh(graded, Formulation::axisymmetric); }, {"edge", "width_mm"});
 }
 
 TEST(GradedMesh, TakesItsEdgeFromATube) {

@@ -7,7 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+
+#include "host/apps/simulate/graded_mesh.hpp"
 
 namespace palpate {
 namespace {
@@ -26,10 +29,20 @@ std::string list_of(const std::vector<double>& values) {
     return "[" + text + "]";
 }
 
-/// The suction acts so far: on tissue that comes off the rim, too. Where it touches the rim bears
-/// as much more.
-double middle_of_rim_mm(const AspirationBody& body) {
-    return 0.25 * (body.hole_diameter_mm.value + body.outer_diameter_mm);
+/// The suction acts so far, under about half of the rim: on tissue that comes off it, too. Where it
+/// touches, the rim bears as much more. A little beyond a line of columns, so that finer meshes
+/// have the same end.
+double end_of_suction_mm(const AspirationBody& body) {
+    constexpr double beyond = 0.2;  // of the next column, also where the edge is looked for
+    GradedSettings graded;
+    graded.width_mm = body.width_mm;
+    graded.columns_outside = columns_outside;
+    graded.face = TubeFace{0.5 * body.hole_diameter_mm.value, body.edge_radius_mm.value};
+    graded.edge_mm = graded.face->end_mm();
+    const std::vector<double> columns = graded_columns(graded);
+    const double middle_mm = 0.25 * (body.hole_diameter_mm.value + body.outer_diameter_mm);
+    const auto next = std::upper_bound(columns.begin(), std::prev(columns.end()), middle_mm);
+    return *std::prev(next) + beyond * (*next - *std::prev(next));
 }
 
 std::string tissue_text(const AspirationBody& body) {
@@ -91,7 +104,7 @@ std::string aspiration_model_text(const AspirationBody& body) {
     text += fmt::format(
         "\n[[pressure]]\nname = \"suction\"\nwhere = {{point_array = \"surface\", to_mm = [{:.6g}, "
         "100]}}\nkpa = {:.8g}\nfollows = true\ncolumn = \"share\"\n",
-        middle_of_rim_mm(body), -body.peak_kpa);
+        end_of_suction_mm(body), -body.peak_kpa);
     text += fmt::format("\n[history]\ntime_s = {}\nshare = {}\n", list_of(body.steps.time_s),
                         list_of(body.steps.share));
     return text;
