@@ -136,7 +136,7 @@ TEST(GradedMesh, ASteepRestUnderAnEdgeMovesWithItsSizesWithoutAJump) {
             for (const auto& moved :
                  {nodes_at(h, 0), nodes_at(-h, 0), nodes_at(0, h), nodes_at(0, -h)})
                 for (std::size_t n = 0; n < base.size(); ++n)
-                    ASSERT_LT((moved[n] - base[n]).norm(), 20 * h)
+                    ASSERT_LT((moved[n] - base[n]).norm(), 100 * h)
                         << hole_mm << ", " << edge_mm << " at " << base[n].transpose();
         }
 }
