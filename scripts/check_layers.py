@@ -70,7 +70,7 @@ ALLOWED = {
     # Frames, one after the other, from files, films and pipes.
     "host/apps/aspirate/frames": FILES + ["host/apps/aspirate/contours"],
     # What is known before any frame, and the body that is sucked, as the text of a model file.
-    "host/apps/aspirate/model": FILES + ["host/apps/aspirate/contours"],
+    "host/apps/aspirate/model": FILES + ["host/apps/aspirate/contours", "host/apps/simulate"],
     "host/apps/aspirate": COMPUTING + ["host/apps/aspirate/contours", "host/apps/aspirate/frames",
                                        "host/apps/aspirate/model", "host/apps/simulate", "host/apps/identify"],
     "host/apps/study": COMPUTING + RECOVER + ["host/apps/phantom", "host/apps/phantom/random_numbers", "host/apps/phantom/aspiration",
