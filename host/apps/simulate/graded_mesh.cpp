@@ -44,8 +44,16 @@ std::vector<double> divided(const std::vector<double>& ends, int parts) {
     return fine;
 }
 
-int num_inside(const GradedSettings& graded) {
-    return graded.columns_inside + (graded.face ? graded.columns_edge : 0);
+/// Each `stride`-th of the ends, and the last.
+std::vector<double> thinned(const std::vector<double>& ends, int stride) {
+    std::vector<double> kept;
+    for (std::size_t k = 0; k < ends.size(); k += std::size_t(stride)) kept.push_back(ends[k]);
+    kept.back() = (ends.size() - 1) % std::size_t(stride) == 0 ? kept.back() : ends.back();
+    return kept;
+}
+
+std::vector<double> lines_of(const GradedSettings& graded, const std::vector<double>& ends) {
+    return divided(thinned(ends, graded.coarsen), graded.refine);
 }
 
 }  // namespace
@@ -67,7 +75,7 @@ std::vector<double> graded_columns(const GradedSettings& graded) {
     for (const double x : geometric_ends(std::min(last, room / graded.columns_outside), room,
                                          graded.columns_outside))
         if (x > 0) ends.push_back(graded.edge_mm + x);
-    return divided(ends, graded.refine);
+    return lines_of(graded, ends);
 }
 
 namespace {
@@ -147,7 +155,7 @@ SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation) {
     check_graded(graded);
     const std::vector<double> x = graded_columns(graded);
     const std::vector<double> d =
-        divided(geometric_ends(graded.finest_mm, graded.depth_mm, graded.rows), graded.refine);
+        lines_of(graded, geometric_ends(graded.finest_mm, graded.depth_mm, graded.rows));
     const SurfaceHeight height(graded);
     SolidMesh mesh;
     mesh.type = ElementType::quad4;
@@ -172,9 +180,8 @@ SolidMesh graded_mesh(const GradedSettings& graded, Formulation formulation) {
 }
 
 std::vector<double> graded_surface(const GradedSettings& graded, const SolidMesh& mesh) {
-    const int columns = num_inside(graded) + graded.columns_outside;
     std::vector<double> surface(mesh.nodes.size(), 0.0);
-    std::fill_n(surface.begin(), columns * graded.refine + 1, 1.0);
+    std::fill_n(surface.begin(), graded_columns(graded).size(), 1.0);
     return surface;
 }
 

@@ -33,7 +33,8 @@ struct GradedSettings {
     /// The surface at rest: heights y at ascending x, at least three; level beyond the ends. Empty:
     /// y = 0.
     std::vector<double> surface_x_mm, surface_y_mm;
-    int refine = 1;  ///< each line of columns and rows is divided in as many
+    int coarsen = 1;  ///< of the lines of columns and rows only each so-many-th is kept
+    int refine = 1;   ///< what is between two of them is divided in as many
 };
 
 /// Whether the surface is given.

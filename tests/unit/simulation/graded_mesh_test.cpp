@@ -141,6 +141,30 @@ TEST(GradedMesh, ASteepRestUnderAnEdgeMovesWithItsSizesWithoutAJump) {
         }
 }
 
+TEST(GradedMesh, ACoarserMeshHasEachSecondLineOfTheOther) {
+    GradedSettings graded = under_an_edge();
+    graded.columns_outside = 8;
+    graded.rows = 14;
+    const SolidMesh fine = graded_mesh(graded, Formulation::axisymmetric);
+    const std::vector<double> fine_x = graded_columns(graded);
+    graded.coarsen = 2;
+    const SolidMesh coarse = graded_mesh(graded, Formulation::axisymmetric);
+    const std::vector<double> x = graded_columns(graded);
+
+    ASSERT_EQ(fine_x.size(), 27u);
+    ASSERT_EQ(x.size(), 14u);
+    EXPECT_EQ(coarse.num_elements(), 13 * 7);
+    const std::vector<double> surface = graded_surface(graded, coarse);
+    EXPECT_EQ(std::count(surface.begin(), surface.end(), 1.0), 14);
+    for (std::size_t j = 0; j <= 7; ++j)
+        for (std::size_t i = 0; i <= 13; ++i)
+            EXPECT_LT((coarse.nodes[14 * j + i] - fine.nodes[27 * 2 * j + 2 * i]).norm(), 1e-12)
+                << i << ", " << j;
+    // and divided again it has as many lines as before, at other places between those
+    graded.refine = 2;
+    EXPECT_EQ(graded_columns(graded).size(), 27u);
+}
+
 TEST(GradedMesh, FoldsAndSizesThatLeaveNoRoomAreTold) {
     GradedSettings graded = under_a_tube();
     graded.surface_x_mm = {0, 4.9, 5, 5.2};
