@@ -79,7 +79,7 @@ std::string seen_points(const AspirationSettings& settings, const std::string& m
     std::string text = "time_s,r_mm,z_mm,sd_mm\n";
     std::size_t num_rows = 0;
     for (std::size_t k = 1; k < result.states.size(); ++k) {
-        const SmoothCurve curve = surface_profile(result, nodes, k, bins * point_step_mm);
+        const SmoothCurve curve = surface_profile(result, nodes, k, bins * point_step_mm).height;
         for (int bin = -bins; bin <= bins; ++bin) {
             const double z_mm = curve.at(std::abs(bin) * point_step_mm);
             if (z_mm < lowest_mm) continue;

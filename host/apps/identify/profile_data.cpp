@@ -52,8 +52,7 @@ public:
     Eigen::VectorXd predicted(const ExperimentState& state) const override {
         const SimulationResult& simulation = *state.simulation;
         const std::vector<Index> nodes = surface_nodes(simulation);
-        const std::vector<double> rise_mm = rise_of(nodes, simulation.mesh());
-        std::vector<std::optional<SmoothCurve>> curves(simulation.states.size());
+        std::vector<std::optional<SurfaceProfile>> profiles(simulation.states.size());
         const bool is_about_axis = simulation.mesh().formulation == Formulation::axisymmetric;
         double farthest_mm = 0;
         for (const double r : r_mm_)
@@ -63,16 +62,16 @@ public:
         for (std::size_t row = 0; row < r_mm_.size(); ++row) {
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);
             const double r = is_about_axis ? std::abs(r_mm_[row]) : r_mm_[row];
-            const auto z_at = [&](std::size_t k) {
-                if (!curves[k])
-                    curves[k] = surface_profile(simulation, nodes, k, farthest_mm, rise_mm);
-                return z_scale_ * curves[k]->at(r / r_scale_);
+            const auto height = [&](std::size_t k, double at_r) {
+                if (!profiles[k]) profiles[k] = surface_profile(simulation, nodes, k, farthest_mm);
+                return profiles[k]->height.at(at_r) + rest_error_at(profiles[k]->rest_x.at(at_r));
             };
+            const auto z_at = [&](std::size_t k) { return z_scale_ * height(k, r / r_scale_); };
             const double first = z_at(before);
             double z = first + (after == before ? 0 : share * (z_at(after) - first));
             if (rest_is_measured_) {
                 const double scaled = z_at(0);
-                z += curves[0]->at(r) - scaled;
+                z += height(0, r) - scaled;
             }
             rows[Eigen::Index(row)] = z + tilt_ * r_mm_[row];
         }
@@ -102,13 +101,6 @@ private:
             return error_z_mm_[k - 1] + share * (error_z_mm_[k] - error_z_mm_[k - 1]);
         }
         return 0;
-    }
-
-    std::vector<double> rise_of(const std::vector<Index>& nodes, const SolidMesh& mesh) const {
-        std::vector<double> rise;
-        if (error_r_mm_.empty()) return rise;
-        for (const Index node : nodes) rise.push_back(rest_error_at(mesh.nodes[node].x()));
-        return rise;
     }
 
     /// Ascending along x at rest.

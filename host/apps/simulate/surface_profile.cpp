@@ -23,13 +23,11 @@ std::vector<Index> nodes_along(const Selection& surface, const SimulationResult&
     return nodes;
 }
 
-SmoothCurve surface_profile(const SimulationResult& simulation, const std::vector<Index>& nodes,
-                            std::size_t state, double farthest_mm,
-                            const std::vector<double>& rise_mm) {
+SurfaceProfile surface_profile(const SimulationResult& simulation, const std::vector<Index>& nodes,
+                               std::size_t state, double farthest_mm) {
     const SimulationState& at = simulation.states[state];
-    std::vector<double> r, z;
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        const Index node = nodes[k];
+    std::vector<double> r, z, rest_r;
+    for (const Index node : nodes) {
         const Vec3 place = simulation.mesh().nodes[node] + at.displacement.segment<3>(3 * node);
         if (!r.empty() && !(place.x() > r.back())) {
             if (r.size() > 2 && r.back() >= farthest_mm) break;
@@ -39,9 +37,10 @@ SmoothCurve surface_profile(const SimulationResult& simulation, const std::vecto
                                     at.time_s, place.x()));
         }
         r.push_back(place.x());
-        z.push_back(place.y() + (rise_mm.empty() ? 0 : rise_mm[k]));
+        z.push_back(place.y());
+        rest_r.push_back(simulation.mesh().nodes[node].x());
     }
-    return SmoothCurve(std::move(r), std::move(z));
+    return {SmoothCurve(r, std::move(z)), SmoothCurve(r, std::move(rest_r))};
 }
 
 }  // namespace palpate

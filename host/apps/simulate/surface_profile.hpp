@@ -13,11 +13,14 @@ namespace palpate {
 /// Error(invalid_argument) as `selected_nodes` does.
 std::vector<Index> nodes_along(const Selection& surface, const SimulationResult& simulation);
 
-/// The height y(x) of these nodes in a state, deformed, up to where the surface overhangs.
+/// A deformed surface: its height y(x), and which x at rest it has what is now at x from.
+struct SurfaceProfile {
+    SmoothCurve height, rest_x;
+};
+
+/// Of these nodes in a state, up to where the surface overhangs.
 ///   farthest_mm   x up to which it is read: throws Error(solve_failed) if it overhangs before
-///   rise_mm       [nodes] by which they are higher than in the model; empty: not at all
-SmoothCurve surface_profile(const SimulationResult& simulation, const std::vector<Index>& nodes,
-                            std::size_t state, double farthest_mm,
-                            const std::vector<double>& rise_mm = {});
+SurfaceProfile surface_profile(const SimulationResult& simulation, const std::vector<Index>& nodes,
+                               std::size_t state, double farthest_mm);
 
 }  // namespace palpate

@@ -64,7 +64,8 @@ std::optional<SuckedSurface> sucked_surface(const AspirationBody& body, double b
     const double hole_radius_mm = 0.5 * body.hole_diameter_mm.value;
     for (std::size_t k = 0; k < result.states.size(); ++k) {
         time_s.push_back(begin_s + result.states[k].time_s);
-        curves.push_back(surface_profile(result, nodes, k, beside_the_bore * hole_radius_mm));
+        curves.push_back(
+            surface_profile(result, nodes, k, beside_the_bore * hole_radius_mm).height);
     }
     return SuckedSurface(std::move(time_s), std::move(curves));
 }
