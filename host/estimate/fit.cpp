@@ -213,7 +213,7 @@ Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSin
     set_given(noise, options.discrepancy.given);
     FitRounds rounds(problem, options, progress);
     GaussNewtonMinimum minimum = rounds.search(
-        noise, {first.prediction->values, first.prediction, {}}, 0,
+        noise, {first.prediction->values, first.prediction, options.held}, 0,
         options.discrepancy.is_learned && options.discrepancy.given.empty() ? first_gain_share
                                                                             : 0.0);
     bool has_settled = !options.discrepancy.is_learned;
@@ -223,7 +223,7 @@ Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSin
         has_settled =
             is_settled(noise, learned, *minimum.prediction, options.discrepancy.tolerance);
         for (Index b = 0; b < noise.num_block(); ++b) noise.set_discrepancy(b, learned[b]);
-        minimum = rounds.search(noise, {minimum.values, minimum.prediction, {}},
+        minimum = rounds.search(noise, {minimum.values, minimum.prediction, options.held},
                                 has_settled ? 0.0 : gain_between);
     }
     Fit result = as_fit(std::move(minimum), noise, options.method);

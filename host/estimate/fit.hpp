@@ -41,6 +41,7 @@ struct FitOptions {
     Eigen::VectorXd start;
     /// A prediction of this problem, at the start or near it, that saves one; may be null.
     std::shared_ptr<const Prediction> warm = {};
+    std::vector<Index> held = {};  ///< parameters that stay at the start
     /// Whether the priors' medians and draws are tried where the start has no prediction.
     bool tries_other_starts = true;
 };

@@ -178,6 +178,20 @@ TEST(Fit, AKinkThatNoStepLeavesIsTheEndOfASearch) {
     EXPECT_LT(found.num_step, 30);
 }
 
+TEST(Fit, WhatIsHeldStaysAtTheStart) {
+    const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(9, 0, 4);
+    const Eigen::VectorXd measured = 1.7 + 0.4 * times.array();
+    const ToyProblem problem = line(times, measured, 0.3);
+    FitOptions options = without_discrepancy();
+    options.start = Eigen::Vector2d(0.5, 0.1);
+    options.held = {1};
+    const Fit found = fit(problem, options);
+    EXPECT_EQ(found.values[1], 0.1);
+    EXPECT_NEAR(found.values[0], 1.7 + 0.3 * 2, 0.01);  // the mean of what is left
+    options.held.clear();
+    EXPECT_NEAR(fit(problem, options).values[1], 0.4, 0.03);
+}
+
 TEST(Fit, HardEndsHold) {
     ToyProblem problem = spring();
     problem.mutable_parameters()[0].lowest = 1.5;
