@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/apps/identify/experiment_problem.hpp"
-#include "host/apps/identify/finer_settings.hpp"
+#include "host/apps/identify/resolution.hpp"
 #include "host/estimate/discretisation.hpp"
 #include "host/page/plain_text.hpp"
 #include "solver/base/error.hpp"
@@ -52,6 +52,25 @@ std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, co
     return made.prediction;
 }
 
+/// `shifts` out of the values and into the intervals; a warning where they are large.
+void correct(const std::vector<Eigen::VectorXd>& shifts, IdentifiedExperiment& found,
+             const Eigen::VectorXd& model_sd) {
+    correct_for_discretisation(shifts, found.fit, found.identified, model_sd);
+    found.is_mesh_checked = true;
+    std::string far;
+    for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
+        const IdentifiedParameter& one = found.identified.parameters[k];
+        const double sd = std::hypot(one.sd, model_sd.size() > 0 ? model_sd[Eigen::Index(k)] : 0.0);
+        if (std::abs(one.discretisation_shift) > sd && !one.parameter.is_nuisance)
+            far += fmt::format("{}{} by {:.1f} sd", far.empty() ? "" : ", ",
+                               harmless(label_of(one.parameter)),
+                               std::abs(one.discretisation_shift) / sd);
+    }
+    if (!far.empty())
+        found.mesh_check_sentence +=
+            " Warning: that moved " + far + "; refine mesh and time steps.";
+}
+
 }  // namespace
 
 void check_mesh(const Configure& configure, IdentifiedExperiment& found,
@@ -78,27 +97,28 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
             "A mesh of a file cannot be refined here: its error is not in the intervals.";
         return;
     }
-    correct_for_discretisation(shifts, found.fit, found.identified, model_sd);
-    found.is_mesh_checked = true;
     found.mesh_check_sentence = fmt::format(
         "Values are corrected by a run with {} of half the size; the intervals have "
         "what that leaves unknown.",
         what);
-    std::string far;
-    for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
-        const IdentifiedParameter& one = found.identified.parameters[k];
-        const double sd = std::hypot(one.sd, model_sd.size() > 0 ? model_sd[Eigen::Index(k)] : 0.0);
-        if (std::abs(one.discretisation_shift) > sd && !one.parameter.is_nuisance)
-            far += fmt::format("{}{} by {:.1f} sd", far.empty() ? "" : ", ",
-                               harmless(label_of(one.parameter)),
-                               std::abs(one.discretisation_shift) / sd);
-    }
-    if (!far.empty())
-        found.mesh_check_sentence +=
-            " Warning: that moved " + far + "; refine mesh and time steps.";
+    correct(shifts, found, model_sd);
     if (what == steps)
         found.mesh_check_sentence +=
             " A mesh of a file cannot be refined here: its error is not in the intervals.";
+}
+
+void check_mesh(const std::vector<Eigen::VectorXd>& more, IdentifiedExperiment& found,
+                const Eigen::VectorXd& model_sd) {
+    // Errors are of second order: y(h / 2) - y(h) is a quarter of y(h) - y(2 h).
+    constexpr double order_two = 0.25;
+    Prediction finer = *found.fit.prediction;
+    for (std::size_t b = 0; b < more.size(); ++b)
+        finer.blocks.at(b).predicted += order_two * more[b];
+    found.mesh_check_sentence =
+        "Values are corrected for what cells and time steps of twice the size change; the "
+        "intervals have what that leaves unknown.";
+    correct({shift_by_discretisation(found.experiment.parameters(), found.fit, finer)}, found,
+            model_sd);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "host/apps/identify/identified_tree.hpp"
 
@@ -15,6 +16,12 @@ namespace palpate {
 ///   model_sd    as `correct_for_discretisation` has it
 void check_mesh(const std::function<void(SimulationSettings&)>& configure,
                 IdentifiedExperiment& found, const ProgressSink& progress,
+                const Eigen::VectorXd& model_sd = {});
+
+/// The same where a fit has met what a finer model says, and what that says more than one with
+/// cells and time steps of twice the size is known.
+///   more        [num_row] of each block
+void check_mesh(const std::vector<Eigen::VectorXd>& more, IdentifiedExperiment& found,
                 const Eigen::VectorXd& model_sd = {});
 
 }  // namespace palpate

@@ -12,4 +12,10 @@ bool halve_cells(SimulationSettings& settings);
 /// column, because others act in full from the first time on. False for a static load or a motion.
 bool halve_steps(SimulationSettings& settings);
 
+/// Takes two cells of a graded mesh together in each direction: the lines of the coarser mesh are
+/// lines of this one. False, and nothing done, for other meshes and numbers of cells that are odd.
+bool double_cells(SimulationSettings& settings);
+/// Takes two time steps together. False for an odd number of them, a static load or a motion.
+bool double_steps(SimulationSettings& settings);
+
 }  // namespace palpate

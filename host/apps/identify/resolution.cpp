@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The palpate developers
 // SPDX-License-Identifier: Apache-2.0
-#include "host/apps/identify/finer_settings.hpp"
+#include "host/apps/identify/resolution.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -53,6 +53,34 @@ bool halve_steps(SimulationSettings& settings) {
         before_s = table.time_s[row];
     }
     table = std::move(fine);
+    return true;
+}
+
+bool double_cells(SimulationSettings& settings) {
+    if (!settings.mesh.graded) return false;
+    GradedSettings& graded = *settings.mesh.graded;
+    if (graded.refine % 2 == 0) {
+        graded.refine /= 2;
+        return true;
+    }
+    const int lines = 2 * graded.coarsen;
+    for (const int cells : {graded.columns_inside, graded.columns_outside, graded.rows,
+                            graded.edge_of.empty() ? lines : graded.columns_edge})
+        if (cells % lines != 0) return false;
+    graded.coarsen = lines;
+    return true;
+}
+
+bool double_steps(SimulationSettings& settings) {
+    if (!settings.history || settings.dynamics) return false;
+    LoadTable& table = *settings.history;
+    if (table.time_s.empty() || table.time_s.size() % 2 != 0) return false;
+    LoadTable coarse{table.columns, {}, {}};
+    for (std::size_t row = 1; row < table.time_s.size(); row += 2) {
+        coarse.time_s.push_back(table.time_s[row]);
+        coarse.factors.push_back(std::move(table.factors[row]));
+    }
+    table = std::move(coarse);
     return true;
 }
 
