@@ -78,6 +78,8 @@ AspirationBody body_of(const AspirationSettings& settings, const SuckedBody& suc
 
 }  // namespace
 
+bool is_rest_error(const std::string& path) { return path.find("rest_error") != std::string::npos; }
+
 void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
     std::vector<double> r_mm = hidden_places_of(sucked), z_mm = by_mm;
     if (sucked.seen_to_mm > 0) {

@@ -22,6 +22,9 @@ struct SuckedBody {
         {};  ///< [hidden places] by which `rest` was moved from its guess
 };
 
+/// Whether a path of an experiment's number is of `rest_error`.
+bool is_rest_error(const std::string& path);
+
 /// Moves the hidden part of the surface at rest by what a fit found of `rest_error` [numbers of the
 /// experiment's text that are open]. The prior stays where the guess was.
 void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm);

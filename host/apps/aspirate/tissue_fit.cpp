@@ -12,9 +12,8 @@
 #include <vector>
 
 #include "host/apps/aspirate/fit_page.hpp"
-#include "host/apps/aspirate/tissue_experiment.hpp"
+#include "host/apps/aspirate/tissue_search.hpp"
 #include "host/apps/compute_options.hpp"
-#include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/identified_tree.hpp"
 #include "host/apps/identify/mesh_check.hpp"
 #include "host/io/output_folder.hpp"
@@ -31,13 +30,7 @@ std::string name_of_model(const std::string& law, int num_terms) {
     return fmt::format("{}, {} relaxation term{}", law, num_terms, num_terms == 1 ? "" : "s");
 }
 
-constexpr int most_rest_rounds = 4;
-constexpr double settled_rest_mm = 0.01, most_left_rest_mm = 0.05;
-/// Until then a fit is only good for the surface.
-constexpr double gain_for_rest = 0.2;
-/// At its end: what is left is a third of an sd, far less than models have wrong.
-constexpr double gain_at_end = 0.05;
-constexpr int noise_rounds_for_rest = 2;
+constexpr double most_left_rest_mm = 0.05;
 /// Of each number of the tissue: what outlines, the guess of the rest and contact at the rim leave
 /// that no residual shows. Of films, those of another solver too (docs/aspiration.md).
 constexpr double model_sd_ln = 0.03, model_sd_ln_of_stiffening = 0.06;
@@ -48,24 +41,6 @@ constexpr const char* what_to_check =
     "look at the outlines, and check base_row_px, tissue, axis_column_px, pixels and the times of "
     "film and suction, then try other laws";
 constexpr double most_instrument_sd = 3;  ///< of its prior, within which the instrument is believed
-
-bool is_rest_error(const std::string& path) { return path.find("rest_error") != std::string::npos; }
-
-/// Places of `rest_error` among an experiment's numbers.
-std::vector<Eigen::Index> rest_errors_of(const Experiment& experiment) {
-    std::vector<Eigen::Index> found;
-    for (std::size_t k = 0; k < experiment.paths().size(); ++k)
-        if (is_rest_error(experiment.paths()[k])) found.push_back(Eigen::Index(k));
-    return found;
-}
-
-/// The next fit begins where this one has ended.
-void take_start(const Fit& found, FitOptions& options) {
-    options.start = found.values;
-    options.discrepancy.given.clear();
-    for (Index b = 0; b < found.noise->num_block(); ++b)
-        options.discrepancy.given.push_back(found.noise->discrepancy(b));
-}
 
 double median_of(std::vector<double>& values) {
     const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
@@ -151,63 +126,32 @@ Eigen::VectorXd model_sds(const std::vector<Parameter>& parameters) {
     return sds;
 }
 
-/// One law with one number of relaxation terms. What a fit finds of the hidden part of the surface
-/// at rest is a part of the body that the next fit has, until it no longer changes.
+/// One law with one number of relaxation terms.
 TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettings& settings,
                    const AspirationFitInput& input, const Suction& suction, const fs::path& inside,
                    const OptionValues& values, const ProgressSink& progress) {
     const auto begin = std::chrono::steady_clock::now();
-    int num_simulation = 0;
-    TriedModel tried;
-    tried.name = name_of_model(law, num_terms);
-    SuckedBody sucked{input.rest.surface, input.rest.seen_to_mm, input.steps, input.start};
     const auto configure = [&](SimulationSettings& model) {
         take_tangent_options(values, model.newton);
     };
-    FitOptions options;
-    options.gauss_newton.gain_tolerance = gain_at_end;
-    bool is_settled = false;
-    for (int round = 1; !is_settled; ++round) {
-        tried.experiment_toml = experiment_text(settings, sucked, suction, law, num_terms);
-        tried.experiment = std::make_shared<const Experiment>(
-            Experiment::parse(tried.experiment_toml, "the aspiration's model", inside));
-        const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
-        const auto errors = rest_errors_of(*tried.experiment);
-        tried.found = std::make_shared<IdentifiedExperiment>(
-            IdentifiedExperiment{.experiment = *tried.experiment});
-        Fit& found = tried.found->fit;
-        if (!errors.empty() && round <= most_rest_rounds) {
-            report_progress(progress, "fit", 0, tried.name + ", and the surface at rest");
-            FitOptions rough = options;
-            rough.gauss_newton.gain_tolerance = gain_for_rest;
-            rough.discrepancy.max_rounds = noise_rounds_for_rest;
-            found = fit(problem, rough, progress);
-            take_start(found, options);
-        }
-        std::vector<double> error_mm;
-        for (const Eigen::Index k : errors) error_mm.push_back(options.start[k]);
-        is_settled = round > most_rest_rounds ||
-                     std::all_of(error_mm.begin(), error_mm.end(),
-                                 [](double error) { return std::abs(error) < settled_rest_mm; });
-        if (is_settled) {
-            report_progress(progress, "fit", 0, tried.name);
-            options.warm = found.prediction;  // of the rough fit on this surface, if there was one
-            found = fit(problem, options, progress);
-        } else {
-            move_rest(sucked, error_mm);
-            for (const Eigen::Index k : errors) options.start[k] = 0;
-        }
-        num_simulation += problem.num_simulation();
-    }
-    const ExperimentProblem problem(*tried.experiment, configure, jobs_of(values), progress);
+    SearchedTissue searched = search_tissue(
+        {settings, input, suction, law, num_terms, inside, configure, jobs_of(values), progress},
+        model_sds);
+    TriedModel tried;
+    tried.name = name_of_model(law, num_terms);
+    tried.experiment_toml = std::move(searched.experiment_toml);
+    tried.experiment = std::move(searched.experiment);
+    tried.found = std::make_shared<IdentifiedExperiment>(
+        IdentifiedExperiment{.experiment = *tried.experiment});
     IdentifiedExperiment& found = *tried.found;
-    report_progress(progress, "intervals", 0, tried.name);
+    found.fit = std::move(searched.fit);
+    found.identified = std::move(searched.identified);
+    found.num_simulation = searched.num_simulation;
     const Eigen::VectorXd model_sd = model_sds(tried.experiment->parameters());
-    IdentifyOptions judging;
-    judging.added_sd = model_sd;
-    found.identified = identify(problem, found.fit, judging, progress);
-    found.num_simulation = num_simulation + problem.num_simulation();
-    check_mesh(configure, found, progress, model_sd);
+    if (searched.more.empty())
+        check_mesh(configure, found, progress, model_sd);
+    else
+        check_mesh(searched.more, found, model_sd);
     const double travel_mm =
         *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end());
     found.misfit = misfit_of(found, travel_mm);

@@ -66,6 +66,24 @@ TEST(SuctionSteps, AreShortBehindKinksAndTakeATwelfthOfTheSuctionAtMost) {
     EXPECT_LT(steps.time_s.size(), 80u);
 }
 
+TEST(SuctionSteps, ComeInPairsThatACoarserModelTakesTogether) {
+    for (const auto& share : {trapezoid, smooth}) {
+        const SuctionSteps steps = suction_steps(read_off(share), end_s, 32);
+        ASSERT_EQ(steps.time_s.size() % 2, 0u);
+        for (std::size_t k = 0; k < steps.time_s.size(); k += 2) {
+            const double before_s = k == 0 ? 0 : steps.time_s[k - 1];
+            EXPECT_NEAR(steps.time_s[k], 0.5 * (before_s + steps.time_s[k + 1]), 1e-9);
+        }
+    }
+    const SuctionSteps steps = suction_steps(read_off(trapezoid), end_s, 32);
+    for (const double kink_s : {2.0, 6.0, 8.0}) {  // behind the begin of suction
+        const auto end = std::find_if(steps.time_s.begin(), steps.time_s.end(),
+                                      [&](double t) { return std::abs(t - kink_s) < 0.021; });
+        ASSERT_NE(end, steps.time_s.end()) << kink_s;
+        EXPECT_EQ((end - steps.time_s.begin()) % 2, 1) << kink_s;
+    }
+}
+
 TEST(SuctionSteps, FollowACurveWithoutShortStepsAtEachOfItsChords) {
     const SuctionSteps steps = suction_steps(read_off(smooth), end_s, 32);
 

@@ -19,7 +19,7 @@ constexpr double sample_mm = 0.25, cap_power = 1.25, wall_factor = 2.05;
 
 // Of a film with a sharp edge (0.13 mm) heights are then off by 5 um at most in a travel of 1.3 mm;
 // with the usual 13 rows from 0.25 mm on they are by 25 um.
-constexpr int columns_outside = 7, rows = 24;
+constexpr int columns_outside = 8, rows = 24;
 constexpr double finest_mm = 0.12;
 
 std::string list_of(const std::vector<double>& values) {
@@ -30,15 +30,16 @@ std::string list_of(const std::vector<double>& values) {
 }
 
 /// The suction acts so far, under about half of the rim: on tissue that comes off it, too. Where it
-/// touches, the rim bears as much more. A little beyond a line of columns, so that finer meshes
-/// have the same end.
+/// touches, the rim bears as much more. A little beyond a line of columns that a mesh of twice the
+/// cells' size has, too, so that finer and coarser meshes have the same end.
 double end_of_suction_mm(const AspirationBody& body) {
-    constexpr double beyond = 0.2;  // of the next column, also where the edge is looked for
+    constexpr double beyond = 0.1;  // of the next column, also where the edge is looked for
     GradedSettings graded;
     graded.width_mm = body.width_mm;
     graded.columns_outside = columns_outside;
     graded.face = TubeFace{0.5 * body.hole_diameter_mm.value, body.edge_radius_mm.value};
     graded.edge_mm = graded.face->end_mm();
+    graded.coarsen = 2;
     const std::vector<double> columns = graded_columns(graded);
     const double middle_mm = 0.25 * (body.hole_diameter_mm.value + body.outer_diameter_mm);
     const auto next = std::upper_bound(columns.begin(), std::prev(columns.end()), middle_mm);

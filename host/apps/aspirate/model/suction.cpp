@@ -16,13 +16,14 @@ namespace {
 
 constexpr double least_peak_mbar = 0.5;
 constexpr double begin_part = 0.005, most_at_first = 0.05;  // of the peak
-constexpr double straight_part = 0.004;
+constexpr double straight_part = 0.006;
 constexpr double least_reading_mbar = -0.5;  // a sensor's zero may be off by so much
-constexpr double first_part = 0.1;           // of the longest step, behind a kink
-constexpr double most_change = 1.0 / 12;     // of the share, in a step: between steps it is a line
-constexpr int least_between_kinks = 3;       // steps: a curve leaves its chord by a ninth as much
-constexpr double sharp_turn = 0.1;  // of the share in a longest step: milder ones get longer
-constexpr double growth = 1.5;
+// Steps come in pairs of the same length, so that a coarser model may take two together:
+constexpr double first_part = 0.125;     // of the longest pair, behind a kink
+constexpr double most_change = 1.0 / 6;  // of the share, in a pair: between steps it is a line
+constexpr int least_between_kinks = 2;   // pairs: a curve leaves its chord by a sixteenth as much
+constexpr double sharp_turn = 0.2;       // of the share in a longest pair: milder ones get longer
+constexpr double growth = 2.25;
 
 [[noreturn]] void refuse(const std::string& source, const std::string& why) {
     throw Error(ErrorCode::input_unusable, source + ": " + why);
@@ -131,16 +132,16 @@ SuctionSteps suction_steps(const Suction& suction, double end_s, int count) {
     const double begin_s = suction.begin_s();
     std::vector<double> kinks{begin_s}, found;
     add_kinks(suction, 0, suction.time_s.size() - 1, straight_part * suction.peak_kpa(), found);
-    const double longest_s = (end_s - begin_s) / count;
+    const double longest_s = 2 * (end_s - begin_s) / count;  // of a pair
     for (const double kink : found)
-        if (kink > kinks.back() + 0.2 * longest_s && kink < end_s - 0.2 * longest_s)
+        if (kink > kinks.back() + 0.1 * longest_s && kink < end_s - 0.1 * longest_s)
             kinks.push_back(kink);
     kinks.push_back(end_s);
     const auto slope_behind = [&](std::size_t kink) {  // of the share, 1/s
         return (suction.at(kinks[kink + 1]) - suction.at(kinks[kink])) /
                (suction.peak_kpa() * (kinks[kink + 1] - kinks[kink]));
     };
-    // how much the share turns away from a straight line in a longest step
+    // how much the share turns away from a straight line in a longest pair
     const auto first_part_behind = [&](std::size_t kink) {
         const double turn =
             std::abs(slope_behind(kink) - (kink > 0 ? slope_behind(kink - 1) : 0.0)) * longest_s;
@@ -158,9 +159,11 @@ SuctionSteps suction_steps(const Suction& suction, double end_s, int count) {
             ends.push_back(ends.back() + step);
         for (std::size_t n = 1; n < ends.size(); ++n) {
             // stretched to end at the next kink
-            const double at = kinks[k - 1] + ends[n] * span_s / ends.back();
-            steps.time_s.push_back(at - begin_s);
-            steps.share.push_back(suction.at(at) / suction.peak_kpa());
+            for (const double end : {0.5 * (ends[n - 1] + ends[n]), ends[n]}) {
+                const double at = kinks[k - 1] + end * span_s / ends.back();
+                steps.time_s.push_back(at - begin_s);
+                steps.share.push_back(suction.at(at) / suction.peak_kpa());
+            }
         }
     }
     return steps;

@@ -40,7 +40,8 @@ struct SuctionSteps {
 };
 
 /// About `count` steps from the begin of suction to `end_s`: where the suction has a kink (lines
-/// that leave it by less than 0.4 % of the peak are straight), short ones behind each kink.
+/// that leave it by less than 0.6 % of the peak are straight), short ones behind each kink. Steps
+/// come in pairs of the same length.
 SuctionSteps suction_steps(const Suction& suction, double end_s, int count);
 
 }  // namespace palpate

@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include "host/apps/aspirate/tissue_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/apps/identify/experiment_problem.hpp"
+#include "host/apps/identify/resolution.hpp"
+#include "solver/base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int most_rest_rounds = 4;
+constexpr double settled_rest_mm = 0.01;
+/// Until then a fit is only good for the surface.
+constexpr double gain_for_rest = 0.2;
+/// At its end: what is left is a third of an sd, far less than models have wrong.
+constexpr double gain_at_end = 0.05;
+constexpr int noise_rounds_for_rest = 2;
+/// Of coarse cells, which have far more wrong.
+constexpr double gain_of_coarse = 5;
+
+/// Whether coarse cells may have an error where those of the experiment have none.
+bool is_of_model(const Error& error) {
+    return error.code() == ErrorCode::solve_failed || error.code() == ErrorCode::mesh_failed ||
+           error.code() == ErrorCode::invalid_argument || error.code() == ErrorCode::input_unusable;
+}
+
+class Search {
+public:
+    explicit Search(const TissueSearch& search)
+        : search_(search),
+          sucked_{search.input.rest.surface, search.input.rest.seen_to_mm, search.input.steps,
+                  search.input.start} {
+        options_.gauss_newton.gain_tolerance = gain_at_end;
+    }
+
+    SearchedTissue run(
+        const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd);
+
+private:
+    void make_experiment();
+    ExperimentProblem coarse_problem() const;
+    void find_start();
+    void fit_roughly(const DataProblem& problem);
+    void compare_with_coarse();
+    bool rest_is_settled() const;
+    void move_surface();
+    void report(const char* more) const {
+        report_progress(search_.progress, "fit", 0,
+                        fmt::format("{}, {} relaxation term{}{}", search_.law, search_.num_terms,
+                                    search_.num_terms == 1 ? "" : "s", more));
+    }
+
+    const TissueSearch& search_;
+    SuckedBody sucked_;
+    FitOptions options_;
+    std::vector<Index> rest_errors_;  ///< places of `rest_error` among the numbers
+    SearchedTissue found_;
+};
+
+void Search::make_experiment() {
+    found_.experiment_toml =
+        experiment_text(search_.settings, sucked_, search_.suction, search_.law, search_.num_terms);
+    found_.experiment = std::make_shared<const Experiment>(
+        Experiment::parse(found_.experiment_toml, "the aspiration's model", search_.inside));
+    rest_errors_.clear();
+    const std::vector<std::string>& paths = found_.experiment->paths();
+    for (std::size_t k = 0; k < paths.size(); ++k)
+        if (is_rest_error(paths[k])) rest_errors_.push_back(Index(k));
+}
+
+/// The experiment on cells and time steps of twice the size.
+ExperimentProblem Search::coarse_problem() const {
+    return {*found_.experiment,
+            [configure = search_.configure](SimulationSettings& settings) {
+                configure(settings);
+                if (!double_cells(settings) || !double_steps(settings))
+                    throw Error(ErrorCode::solve_failed, "it cannot be made coarser");
+            },
+            search_.jobs, search_.progress};
+}
+
+/// The next fit begins where this one ends.
+void take_start(const Fit& found, FitOptions& options) {
+    options.start = found.values;
+    options.warm = found.prediction;
+    options.discrepancy.given.clear();
+    for (Index b = 0; b < found.noise->num_block(); ++b)
+        options.discrepancy.given.push_back(found.noise->discrepancy(b));
+}
+
+/// By coarse cells, with the surface at rest as it is: what they have wrong would move it. Where
+/// they say nothing the search begins at the guess.
+void Search::find_start() {
+    report(", on coarse cells");
+    const ExperimentProblem coarse = coarse_problem();
+    FitOptions rough = options_;
+    rough.held = rest_errors_;
+    rough.gauss_newton.gain_tolerance = gain_of_coarse;
+    rough.discrepancy.is_learned = false;  // it would learn what coarse cells have wrong
+    try {
+        options_.start = fit(coarse, rough, search_.progress).values;
+    } catch (const Error& error) {
+        if (!is_of_model(error)) throw;
+    }
+    found_.num_simulation += coarse.num_simulation();
+}
+
+void Search::fit_roughly(const DataProblem& problem) {
+    report(", and the surface at rest");
+    FitOptions rough = options_;
+    rough.gauss_newton.gain_tolerance = gain_for_rest;
+    rough.discrepancy.max_rounds = noise_rounds_for_rest;
+    found_.fit = fit(problem, rough, search_.progress);
+    take_start(found_.fit, options_);
+}
+
+bool Search::rest_is_settled() const {
+    return std::all_of(rest_errors_.begin(), rest_errors_.end(),
+                       [&](Index k) { return std::abs(options_.start[k]) < settled_rest_mm; });
+}
+
+void Search::move_surface() {
+    std::vector<double> error_mm;
+    for (const Index k : rest_errors_) {
+        error_mm.push_back(options_.start[k]);
+        options_.start[k] = 0;
+    }
+    move_rest(sucked_, error_mm);
+}
+
+/// y(h) - y(2 h) at the end of the search.
+void Search::compare_with_coarse() {
+    const ExperimentProblem coarse = coarse_problem();
+    try {
+        const PredictionAttempt made =
+            checked_prediction(coarse, found_.fit.values, PredictedColumns::none, nullptr);
+        for (std::size_t b = 0; made.prediction && b < made.prediction->blocks.size(); ++b)
+            found_.more.emplace_back(found_.fit.prediction->blocks[b].predicted -
+                                     made.prediction->blocks[b].predicted);
+    } catch (const Error& error) {
+        if (!is_of_model(error)) throw;
+    }
+    found_.num_simulation += coarse.num_simulation();
+}
+
+SearchedTissue Search::run(
+    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd) {
+    make_experiment();
+    find_start();
+    for (int round = 1;; ++round) {
+        const ExperimentProblem problem(*found_.experiment, search_.configure, search_.jobs,
+                                        search_.progress);
+        if (!rest_errors_.empty() && round <= most_rest_rounds) fit_roughly(problem);
+        const bool is_last = rest_is_settled() || round > most_rest_rounds;
+        if (is_last) {
+            report("");
+            found_.fit = fit(problem, options_, search_.progress);
+            report_progress(search_.progress, "intervals", 0, search_.law);
+            IdentifyOptions judging;
+            judging.added_sd = model_sd(found_.experiment->parameters());
+            found_.identified = identify(problem, found_.fit, judging, search_.progress);
+        }
+        found_.num_simulation += problem.num_simulation();
+        if (is_last) break;
+        move_surface();
+        make_experiment();
+    }
+    compare_with_coarse();
+    return std::move(found_);
+}
+
+}  // namespace
+
+SearchedTissue search_tissue(
+    const TissueSearch& search,
+    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd) {
+    return Search(search).run(model_sd);
+}
+
+}  // namespace palpate
