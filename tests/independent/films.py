@@ -288,14 +288,17 @@ def study_film(options, seed):
     folder = options.out / f"film-{seed}"
     outcome = folder / "outcome.json"
     if not outcome.exists():
-        film = folder / "film"
+        film = (options.films_from or folder) / (f"film-{seed}" if options.films_from else "film")
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        made = subprocess.run([sys.executable, "-m", "tests.independent.films", "make", "--seed", str(seed), "--out",
-                               str(film), "--kind", options.kind, "--side", options.side],
-                              capture_output=True, text=True)
-        said = {"seed": seed, "made": made.returncode, "code": None, "message": made.stderr.strip()[-400:]}
-        if made.returncode == 0:
+        made, message = 0, ""
+        if not (film / "truth.json").exists():
+            making = subprocess.run([sys.executable, "-m", "tests.independent.films", "make", "--seed", str(seed),
+                                     "--out", str(film), "--kind", options.kind, "--side", options.side],
+                                    capture_output=True, text=True)
+            made, message = making.returncode, making.stderr.strip()[-400:]
+        said = {"seed": seed, "made": made, "code": None, "message": message}
+        if made == 0:
             shutil.copy(film / "truth.json", folder / "truth.json")
             began = time.monotonic()
             fitted = subprocess.run([str(options.program), "aspirate", "run", str(film / "frames"), "--pressure",
@@ -303,7 +306,7 @@ def study_film(options, seed):
                                      str(folder / "fit"), "--overwrite", "--quiet"], capture_output=True, text=True)
             said |= {"code": fitted.returncode, "seconds": time.monotonic() - began,
                      "message": fitted.stderr.strip()[-400:]}
-            if not options.keep:
+            if not (options.keep or options.films_from):
                 shutil.rmtree(film)
         outcome.write_text(json.dumps(said, indent=2) + "\n")
     return read_film(folder)
@@ -402,6 +405,8 @@ def main(arguments=None):
             command.add_argument("--program", type=pathlib.Path, required=True, help="palpate")
             command.add_argument("--jobs", type=int, default=1)
             command.add_argument("--keep", action="store_true", help="keep the frames")
+            command.add_argument("--films-from", type=pathlib.Path, metavar="DIR",
+                                 help="films of an earlier study (DIR/film-SEED) are taken as they are, others are made there")
     options = parser.parse_args(arguments)
     if options.command == "study":
         study(options)
