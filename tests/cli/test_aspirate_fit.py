@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """palpate aspirate fit: tissue from profiles and suction, and what is refused."""
 import json
+import math
 
 import pytest
 
@@ -35,12 +36,18 @@ def fit(folder, out, *more, profiles=None, settings=None):
                        "--config", settings or folder / "aspiration.toml", "--out", out, "--quiet", *more)
 
 
-def test_tissue_comes_back_with_intervals(sucked, tmp_path):
-    finished = fit(sucked, tmp_path / "fit")
+@pytest.fixture(scope="module")
+def fitted(sucked, tmp_path_factory):
+    out = tmp_path_factory.mktemp("fitted") / "fit"
+    finished = fit(sucked, out)
     assert finished.returncode == 0, finished.stderr
-    result = json.loads((tmp_path / "fit/result.json").read_text())
-    values = {one["path"].split(".")[-1]: one for one in result["parameters"]}
     print(finished.stdout)
+    return out
+
+
+def test_tissue_comes_back_with_intervals(fitted, tmp_path):
+    result = json.loads((fitted / "result.json").read_text())
+    values = {one["path"].split(".")[-1]: one for one in result["parameters"]}
     for name, true, part in (("mu_kpa", 0.7, 0.1), ("gamma", 10, 0.1), ("amplitude", 0.4, 0.15), ("time_s", 3, 0.25)):
         assert values[name]["value"] == pytest.approx(true, rel=part), name
         low, high = values[name]["interval_95"]
@@ -53,11 +60,24 @@ def test_tissue_comes_back_with_intervals(sucked, tmp_path):
     assert result["tissue"]["gamma"]["verdict"] == values["gamma"]["verdict"]
     assert result["film"]["travel_mm"] > 0.5
     assert result["models"][0]["weight"] == pytest.approx(1)
-    page = (tmp_path / "fit/report.html").read_text()
+    page = (fitted / "report.html").read_text()
     assert "Over the cycle" in page and "class='map'" in page
     # the model with these values is one that `simulate` runs, and the problem one for `identify`
-    finished = run_palpate("simulate", tmp_path / "fit/identified.toml", "--out", tmp_path / "again", "--quiet")
+    finished = run_palpate("simulate", fitted / "identified.toml", "--out", tmp_path / "again", "--quiet")
     assert finished.returncode == 0, finished.stderr
+
+
+def test_coarse_cells_tell_of_the_mesh_what_finer_ones_tell(fitted, tmp_path):
+    """`identify` solves the same experiment on cells and steps of half the size; here those of twice the size are known."""
+    finished = run_palpate("identify", fitted / "experiment.toml", "--out", tmp_path / "other", "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    ours, others = (json.loads((out / "result.json").read_text()) for out in (fitted, tmp_path / "other"))
+    assert "twice the size" in ours["search"]["mesh_check"] and "half the size" in others["search"]["mesh_check"]
+    for one, other in zip(ours["parameters"], others["parameters"]):
+        if one["is_nuisance"]:
+            continue
+        claimed = math.hypot(one["mesh_shift_sd"], other["mesh_shift_sd"])  # of logarithms
+        assert abs(math.log(one["value"] / other["value"])) < 2 * claimed < 0.15, one["path"]
 
 
 def test_a_model_of_another_film_is_not_to_be_trusted(sucked, tmp_path):

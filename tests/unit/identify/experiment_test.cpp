@@ -281,6 +281,26 @@ TEST_F(ExperimentTest, ColumnsOfAnInstrumentAreThoseOfWholeSimulations) {
               1e-6 * block.predicted.norm());
 }
 
+/// What was guessed wrong at a place at rest goes with the tissue there, whatever nodes are near.
+TEST_F(ExperimentTest, AnErrorOfTheRestIsThatOfTheTissueAndNotOfTheNodes) {
+    write("z.csv", "time_s,r_mm,z_mm\n2.4,2.6,1\n2.4,3.05,1\n2.4,3.3,1\n2.4,4,1\n");
+    const auto column = [&](const std::string& mesh) {
+        const Experiment found = experiment(suction("edge_mm = 5.2, " + mesh));
+        const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
+        const auto made = problem.predict(starts_of(found.parameters()), PredictedColumns::wanted,
+                                          nullptr);
+        const auto error =
+            std::find(found.paths().begin(), found.paths().end(), "data[1].rest_error[2].z_mm");
+        EXPECT_NE(error, found.paths().end());
+        return Eigen::VectorXd(
+            made.prediction->blocks[0].columns.col(error - found.paths().begin()));
+    };
+    const Eigen::VectorXd coarse = column("refine = 1"), fine = column("refine = 3");
+    EXPECT_LT((coarse - fine).cwiseAbs().maxCoeff(), 0.01);
+    EXPECT_GT(coarse.minCoeff(), 0.5);
+    EXPECT_LT(coarse.maxCoeff(), 1 + 1e-9);
+}
+
 TEST_F(ExperimentTest, ColumnsOfLoadsComeWithOneSimulation) {
     write("points.csv", "time_s,x_mm,y_mm,ux_mm,uy_mm\n1,3,2,0,0\n2,8,3,0,0\n2,5,1,0,0\n");
     const Experiment found = experiment(
