@@ -14,7 +14,7 @@ namespace {
 constexpr double all_of_second_order = 4.0 / 3.0;
 /// What is not known of a shift: a third of it where it is small beside the sd, all of it from
 /// three sd on, where a first-order correction is a guess.
-constexpr double least_unknown_share = 1.0 / 3.0, most_unknown_share = 1;
+constexpr double most_unknown_share = 1;
 constexpr double shift_of_guess = 3;  // sd
 constexpr double reach_95 = 1.959964;
 
@@ -50,7 +50,8 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 }
 
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
-                                Identified& all, const Eigen::VectorXd& model_sd) {
+                                Identified& all, const Eigen::VectorXd& model_sd,
+                                double least_unknown_share) {
     std::vector<Parameter> parameters;
     for (const IdentifiedParameter& one : all.parameters) parameters.push_back(one.parameter);
     for (std::size_t k = 0; k < all.parameters.size(); ++k) {

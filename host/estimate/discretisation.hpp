@@ -25,7 +25,10 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 /// Verdicts follow the new intervals.
 ///   model_sd   [num_parameter] of what else a model has wrong, of logarithms: joins the intervals
 ///              of what is searched for as one and is no nuisance; empty: nothing
+///   least_unknown_share   of each delta; all of it for one that was not seen but follows by order
+///              2 from what twice the size changes
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
-                                Identified& all, const Eigen::VectorXd& model_sd = {});
+                                Identified& all, const Eigen::VectorXd& model_sd = {},
+                                double least_unknown_share = 1.0 / 3.0);
 
 }  // namespace palpate

@@ -54,8 +54,8 @@ std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, co
 
 /// `shifts` out of the values and into the intervals; a warning where they are large.
 void correct(const std::vector<Eigen::VectorXd>& shifts, IdentifiedExperiment& found,
-             const Eigen::VectorXd& model_sd) {
-    correct_for_discretisation(shifts, found.fit, found.identified, model_sd);
+             const Eigen::VectorXd& model_sd, double least_unknown_share) {
+    correct_for_discretisation(shifts, found.fit, found.identified, model_sd, least_unknown_share);
     found.is_mesh_checked = true;
     std::string far;
     for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
@@ -101,7 +101,7 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
         "Values are corrected by a run with {} of half the size; the intervals have "
         "what that leaves unknown.",
         what);
-    correct(shifts, found, model_sd);
+    correct(shifts, found, model_sd, 1.0 / 3.0);
     if (what == steps)
         found.mesh_check_sentence +=
             " A mesh of a file cannot be refined here: its error is not in the intervals.";
@@ -109,7 +109,8 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
 
 void check_mesh(const std::vector<Eigen::VectorXd>& more, IdentifiedExperiment& found,
                 const Eigen::VectorXd& model_sd) {
-    // Errors are of second order: y(h / 2) - y(h) is a quarter of y(h) - y(2 h).
+    // With errors of second order y(h / 2) - y(h) is a quarter of y(h) - y(2 h). That order is not
+    // seen here: a quarter is what is not known, too, which is enough for an order of 1.5.
     constexpr double order_two = 0.25;
     Prediction finer = *found.fit.prediction;
     for (std::size_t b = 0; b < more.size(); ++b)
@@ -118,7 +119,7 @@ void check_mesh(const std::vector<Eigen::VectorXd>& more, IdentifiedExperiment& 
         "Values are corrected for what cells and time steps of twice the size change; the "
         "intervals have what that leaves unknown.";
     correct({shift_by_discretisation(found.experiment.parameters(), found.fit, finer)}, found,
-            model_sd);
+            model_sd, 1);
 }
 
 }  // namespace palpate

@@ -58,6 +58,8 @@ TEST(Discretisation, AnErrorOfSecondOrderIsTakenOutAndLeavesItsShareInTheInterva
     const Eigen::VectorXd small = Eigen::VectorXd::Constant(1, 0.5 * before.sd);
     correct_for_discretisation({small}, found, known);
     EXPECT_NEAR(known.parameters[0].discretisation_sd, small[0] / 3, 1e-12);
+    correct_for_discretisation({small}, found, known, {}, 1);  // of which the order is not known
+    EXPECT_NEAR(known.parameters[0].discretisation_sd, small[0], 1e-12);
     EXPECT_LT(after.interval[0], truth);
     EXPECT_GT(after.interval[1], truth);
 }
