@@ -287,8 +287,8 @@ TEST_F(ExperimentTest, AnErrorOfTheRestIsThatOfTheTissueAndNotOfTheNodes) {
     const auto column = [&](const std::string& mesh) {
         const Experiment found = experiment(suction("edge_mm = 5.2, " + mesh));
         const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
-        const auto made = problem.predict(starts_of(found.parameters()), PredictedColumns::wanted,
-                                          nullptr);
+        const auto made =
+            problem.predict(starts_of(found.parameters()), PredictedColumns::wanted, nullptr);
         const auto error =
             std::find(found.paths().begin(), found.paths().end(), "data[1].rest_error[2].z_mm");
         EXPECT_NE(error, found.paths().end());
