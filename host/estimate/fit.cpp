@@ -47,6 +47,8 @@ FirstPrediction first_prediction(const DataProblem& problem, const FitOptions& o
                                                 : draw_from_priors(parameters, random);
         PredictionAttempt made = checked_prediction(problem, values, PredictedColumns::wanted,
                                                     k == 0 ? options.warm.get() : nullptr);
+        if (!made.prediction && k == 0 && options.warm)
+            made = checked_prediction(problem, values, PredictedColumns::wanted, nullptr);
         if (made.prediction) {
             const char* note = k == 0   ? ""
                                : k == 1 ? "the priors' medians"

@@ -39,7 +39,8 @@ struct FitOptions {
     /// Where to begin, [num_parameter] on the parameters' own scales; empty: the parameters'
     /// starts.
     Eigen::VectorXd start;
-    /// A prediction of this problem, at the start or near it, that saves one; may be null.
+    /// A prediction of this problem, at the start or near it, that saves one, or of one that is
+    /// nearly the same and has other values; may be null.
     std::shared_ptr<const Prediction> warm = {};
     std::vector<Index> held = {};  ///< parameters that stay at the start
     /// Whether the priors' medians and draws are tried where the start has no prediction.

@@ -283,16 +283,23 @@ class Found:
         return self.low <= self.true <= self.high
 
 
+def film_of(options, seed):
+    if not options.films_from:
+        return options.out / f"film-{seed}/film"
+    folder = options.films_from / f"film-{seed}"
+    return folder / "film" if (folder / "film").is_dir() else folder  # of a study that kept its films
+
+
 def study_film(options, seed):
     """Makes and fits one film unless that is done; what came out."""
     folder = options.out / f"film-{seed}"
     outcome = folder / "outcome.json"
     if not outcome.exists():
-        film = (options.films_from or folder) / (f"film-{seed}" if options.films_from else "film")
+        film = film_of(options, seed)
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         made, message = 0, ""
-        if not (film / "truth.json").exists():
+        if not ((film / "truth.json").exists() and (film / "frames").is_dir()):
             making = subprocess.run([sys.executable, "-m", "tests.independent.films", "make", "--seed", str(seed),
                                      "--out", str(film), "--kind", options.kind, "--side", options.side],
                                     capture_output=True, text=True)
@@ -373,9 +380,14 @@ def table(cases):
 
 
 def study(options):
+    if options.films_from and options.films_from.resolve() == options.out.resolve():
+        sys.exit("--films-from is the study's own folder: choose another --out")
     options.out.mkdir(parents=True, exist_ok=True)
     version = subprocess.run([str(options.program), "--version"], capture_output=True, text=True).stdout.split("\n")[0]
-    said, settings = {"kind": options.kind, "side": options.side, "program": version}, options.out / "settings.json"
+    said = {"kind": options.kind, "side": options.side, "program": version}
+    if options.films_from:
+        said["films_from"] = str(options.films_from.resolve())
+    settings = options.out / "settings.json"
     if settings.exists() and json.loads(settings.read_text()) != said:
         sys.exit(f"{options.out} holds a study with other settings: choose another folder")
     settings.write_text(json.dumps(said) + "\n")

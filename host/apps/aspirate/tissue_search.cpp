@@ -23,7 +23,7 @@ constexpr double gain_for_rest = 0.2;
 constexpr double gain_at_end = 0.05;
 constexpr int noise_rounds_for_rest = 2;
 /// Of coarse cells, which have far more wrong.
-constexpr double gain_of_coarse = 5;
+constexpr double gain_of_coarse = 5, share_of_coarse = 0.01;
 
 /// Whether coarse cells may have an error where those of the experiment have none.
 bool is_of_model(const Error& error) {
@@ -45,7 +45,8 @@ public:
 
 private:
     void make_experiment();
-    ExperimentProblem coarse_problem() const;
+    using Doubling = bool (*)(SimulationSettings&);
+    ExperimentProblem coarse_problem(const std::vector<Doubling>& doublings) const;
     void find_start();
     void fit_roughly(const DataProblem& problem);
     void compare_with_coarse();
@@ -75,13 +76,14 @@ void Search::make_experiment() {
         if (is_rest_error(paths[k])) rest_errors_.push_back(Index(k));
 }
 
-/// The experiment on cells and time steps of twice the size.
-ExperimentProblem Search::coarse_problem() const {
+/// The experiment on cells, or time steps, of twice the size.
+ExperimentProblem Search::coarse_problem(const std::vector<Doubling>& doublings) const {
     return {*found_.experiment,
-            [configure = search_.configure](SimulationSettings& settings) {
+            [configure = search_.configure, doublings](SimulationSettings& settings) {
                 configure(settings);
-                if (!double_cells(settings) || !double_steps(settings))
-                    throw Error(ErrorCode::solve_failed, "it cannot be made coarser");
+                for (const Doubling& doubled : doublings)
+                    if (!doubled(settings))
+                        throw Error(ErrorCode::solve_failed, "it cannot be made coarser");
             },
             search_.jobs, search_.progress};
 }
@@ -95,19 +97,26 @@ void take_start(const Fit& found, FitOptions& options) {
         options.discrepancy.given.push_back(found.noise->discrepancy(b));
 }
 
-/// By coarse cells, with the surface at rest as it is: what they have wrong would move it. Where
-/// they say nothing the search begins at the guess.
+/// Tissue by coarse cells, with the instrument and the surface at rest as they are told: what such
+/// cells have wrong would move these, from where the search may not come back. Where they say
+/// nothing it begins at the guess.
 void Search::find_start() {
     report(", on coarse cells");
-    const ExperimentProblem coarse = coarse_problem();
+    const ExperimentProblem coarse = coarse_problem({double_cells, double_steps});
     FitOptions rough = options_;
-    rough.held = rest_errors_;
+    const std::vector<Parameter>& parameters = found_.experiment->parameters();
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+        if (parameters[k].is_nuisance) rough.held.push_back(Index(k));
     rough.gauss_newton.gain_tolerance = gain_of_coarse;
+    rough.gauss_newton.gain_share = share_of_coarse;
     rough.discrepancy.is_learned = false;  // it would learn what coarse cells have wrong
+    rough.tries_other_starts = false;
     try {
-        options_.start = fit(coarse, rough, search_.progress).values;
+        const Fit found = fit(coarse, rough, search_.progress);
+        if (found.is_usable()) options_.start = found.values;
     } catch (const Error& error) {
         if (!is_of_model(error)) throw;
+        report_progress(search_.progress, "fit", 0, std::string("not so: ") + error.what());
     }
     found_.num_simulation += coarse.num_simulation();
 }
@@ -135,19 +144,21 @@ void Search::move_surface() {
     move_rest(sucked_, error_mm);
 }
 
-/// y(h) - y(2 h) at the end of the search.
+/// y(h) - y(2 h) at the end of the search, of cells and of steps.
 void Search::compare_with_coarse() {
-    const ExperimentProblem coarse = coarse_problem();
-    try {
-        const PredictionAttempt made =
-            checked_prediction(coarse, found_.fit.values, PredictedColumns::none, nullptr);
-        for (std::size_t b = 0; made.prediction && b < made.prediction->blocks.size(); ++b)
-            found_.more.emplace_back(found_.fit.prediction->blocks[b].predicted -
-                                     made.prediction->blocks[b].predicted);
-    } catch (const Error& error) {
-        if (!is_of_model(error)) throw;
+    for (const Doubling doubled : {double_cells, double_steps}) {
+        const ExperimentProblem coarse = coarse_problem({doubled});
+        try {
+            const PredictionAttempt made =
+                checked_prediction(coarse, found_.fit.values, PredictedColumns::none, nullptr);
+            if (made.prediction) found_.coarser.push_back(made.prediction);
+        } catch (const Error& error) {
+            // What a coarser mesh cannot do is no reason to lose the fit.
+            if (error.code() == ErrorCode::cancelled) throw;
+        }
+        found_.num_simulation += coarse.num_simulation();
     }
-    found_.num_simulation += coarse.num_simulation();
+    if (found_.coarser.size() < 2) found_.coarser.clear();
 }
 
 SearchedTissue Search::run(

@@ -35,9 +35,9 @@ struct SearchedTissue {
     std::shared_ptr<const Experiment> experiment;
     Fit fit;
     Identified identified;
-    /// What cells and time steps of the experiment say more than those of twice the size, [num_row]
-    /// of each block; empty: the latter say nothing.
-    std::vector<Eigen::VectorXd> more;
+    /// What cells of twice the size say at these values, and time steps; empty: not both say
+    /// anything.
+    std::vector<std::shared_ptr<const Prediction>> coarser;
     int num_simulation = 0;
 };
 

@@ -107,19 +107,19 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
             " A mesh of a file cannot be refined here: its error is not in the intervals.";
 }
 
-void check_mesh(const std::vector<Eigen::VectorXd>& more, IdentifiedExperiment& found,
-                const Eigen::VectorXd& model_sd) {
+void check_mesh(const std::vector<std::shared_ptr<const Prediction>>& coarser,
+                IdentifiedExperiment& found, const Eigen::VectorXd& model_sd) {
     // With errors of second order y(h / 2) - y(h) is a quarter of y(h) - y(2 h). That order is not
     // seen here: a quarter is what is not known, too, which is enough for an order of 1.5.
     constexpr double order_two = 0.25;
-    Prediction finer = *found.fit.prediction;
-    for (std::size_t b = 0; b < more.size(); ++b)
-        finer.blocks.at(b).predicted += order_two * more[b];
+    std::vector<Eigen::VectorXd> shifts;
+    for (const auto& coarse : coarser)
+        shifts.push_back(-order_two * shift_by_discretisation(found.experiment.parameters(),
+                                                              found.fit, *coarse));
     found.mesh_check_sentence =
         "Values are corrected for what cells and time steps of twice the size change; the "
         "intervals have what that leaves unknown.";
-    correct({shift_by_discretisation(found.experiment.parameters(), found.fit, finer)}, found,
-            model_sd, 1);
+    correct(shifts, found, model_sd, 1);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "host/apps/identify/identified_tree.hpp"
@@ -18,10 +19,9 @@ void check_mesh(const std::function<void(SimulationSettings&)>& configure,
                 IdentifiedExperiment& found, const ProgressSink& progress,
                 const Eigen::VectorXd& model_sd = {});
 
-/// The same where a fit has met what a finer model says, and what that says more than one with
-/// cells and time steps of twice the size is known.
-///   more        [num_row] of each block
-void check_mesh(const std::vector<Eigen::VectorXd>& more, IdentifiedExperiment& found,
-                const Eigen::VectorXd& model_sd = {});
+/// The same by what the model says at the values of `found` with cells of twice the size, and with
+/// time steps of twice the size.
+void check_mesh(const std::vector<std::shared_ptr<const Prediction>>& coarser,
+                IdentifiedExperiment& found, const Eigen::VectorXd& model_sd = {});
 
 }  // namespace palpate

@@ -63,6 +63,7 @@ bool double_cells(SimulationSettings& settings) {
         graded.refine /= 2;
         return true;
     }
+    if (graded.refine != 1) return false;  // a third of two cells is no line of thirds of each
     const int lines = 2 * graded.coarsen;
     for (const int cells : {graded.columns_inside, graded.columns_outside, graded.rows,
                             graded.edge_of.empty() ? lines : graded.columns_edge})

@@ -48,7 +48,7 @@ std::vector<double> divided(const std::vector<double>& ends, int parts) {
 std::vector<double> thinned(const std::vector<double>& ends, int stride) {
     std::vector<double> kept;
     for (std::size_t k = 0; k < ends.size(); k += std::size_t(stride)) kept.push_back(ends[k]);
-    kept.back() = (ends.size() - 1) % std::size_t(stride) == 0 ? kept.back() : ends.back();
+    if ((ends.size() - 1) % std::size_t(stride) != 0) kept.push_back(ends.back());
     return kept;
 }
 

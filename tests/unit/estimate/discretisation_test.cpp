@@ -55,13 +55,14 @@ TEST(Discretisation, AnErrorOfSecondOrderIsTakenOutAndLeavesItsShareInTheInterva
     const double half_before = std::log(before.interval[1] / before.value);
     const double half_after = std::log(after.interval[1] / after.value);
     EXPECT_NEAR(half_after, std::hypot(half_before, 1.96 * shift[0]), 1e-4);
-    const Eigen::VectorXd small = Eigen::VectorXd::Constant(1, 0.5 * before.sd);
-    correct_for_discretisation({small}, found, known);
-    EXPECT_NEAR(known.parameters[0].discretisation_sd, small[0] / 3, 1e-12);
-    correct_for_discretisation({small}, found, known, {}, 1);  // of which the order is not known
-    EXPECT_NEAR(known.parameters[0].discretisation_sd, small[0], 1e-12);
     EXPECT_LT(after.interval[0], truth);
     EXPECT_GT(after.interval[1], truth);
+    const Eigen::VectorXd small = Eigen::VectorXd::Constant(1, 0.5 * before.sd);
+    Identified other = identify(coarse, found, {});
+    correct_for_discretisation({small}, found, other);
+    EXPECT_NEAR(other.parameters[0].discretisation_sd, small[0] / 3, 1e-12);
+    correct_for_discretisation({small}, found, other, {}, 1);  // of which the order is not known
+    EXPECT_NEAR(other.parameters[0].discretisation_sd, small[0], 1e-12);
 }
 
 TEST(Discretisation, AnIntervalThatItWidensBeyondAFactorOfTwoIsRecoveredNoLonger) {

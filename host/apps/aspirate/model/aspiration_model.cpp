@@ -30,20 +30,21 @@ std::string list_of(const std::vector<double>& values) {
 }
 
 /// The suction acts so far, under about half of the rim: on tissue that comes off it, too. Where it
-/// touches, the rim bears as much more. A little beyond a line of columns that a mesh of twice the
-/// cells' size has, too, so that finer and coarser meshes have the same end.
+/// touches, the rim bears as much more. A little beyond the line of columns next to the middle that
+/// a mesh of twice the cells' size has, too: finer and coarser meshes have the same end.
 double end_of_suction_mm(const AspirationBody& body) {
-    constexpr double beyond = 0.1;  // of the next column, also where the edge is looked for
+    constexpr double beyond = 0.05;  // of the next column: less than a column of any finer mesh
     GradedSettings graded;
     graded.width_mm = body.width_mm;
     graded.columns_outside = columns_outside;
     graded.face = TubeFace{0.5 * body.hole_diameter_mm.value, body.edge_radius_mm.value};
     graded.edge_mm = graded.face->end_mm();
-    graded.coarsen = 2;
     const std::vector<double> columns = graded_columns(graded);
     const double middle_mm = 0.25 * (body.hole_diameter_mm.value + body.outer_diameter_mm);
-    const auto next = std::upper_bound(columns.begin(), std::prev(columns.end()), middle_mm);
-    return *std::prev(next) + beyond * (*next - *std::prev(next));
+    std::size_t end = 0;  // each second line is one of the coarser mesh
+    for (std::size_t k = 2; k + 1 < columns.size(); k += 2)
+        if (std::abs(columns[k] - middle_mm) < std::abs(columns[end] - middle_mm)) end = k;
+    return columns[end] + beyond * (columns[end + 1] - columns[end]);
 }
 
 std::string tissue_text(const AspirationBody& body) {
