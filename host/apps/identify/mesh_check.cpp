@@ -42,7 +42,7 @@ std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, co
         made = checked_prediction(finer, fit.values, PredictedColumns::none, nullptr);
     } catch (const Error& error) {
         // What a finer mesh cannot do is said; the fit stands.
-        if (error.code() == ErrorCode::cancelled) throw;
+        if (error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit) throw;
         made.failure = error.what();
     }
     found.num_simulation += is_halved;
