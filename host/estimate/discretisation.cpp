@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr double all_of_second_order = 4.0 / 3.0;
-/// What is not known of a shift: a third of it where it is small beside the sd, all of it from
+/// What is not known of a shift: a share of it where it is small beside the sd, all of it from
 /// three sd on, where a first-order correction is a guess.
 constexpr double most_unknown_share = 1;
 constexpr double shift_of_guess = 3;  // sd

@@ -42,9 +42,10 @@ FirstPrediction first_prediction(const DataProblem& problem, const FitOptions& o
     std::string first_failure;
     for (int k = 0; k < num_start; ++k) {
         check_cancelled(progress);
-        const Eigen::VectorXd values = k == 0   ? start
-                                       : k == 1 ? medians_of(parameters)
-                                                : draw_from_priors(parameters, random);
+        Eigen::VectorXd values = k == 0   ? start
+                                 : k == 1 ? medians_of(parameters)
+                                          : draw_from_priors(parameters, random);
+        for (const Index held : options.held) values[held] = start[held];
         PredictionAttempt made = checked_prediction(problem, values, PredictedColumns::wanted,
                                                     k == 0 ? options.warm.get() : nullptr);
         if (!made.prediction && k == 0 && options.warm)
