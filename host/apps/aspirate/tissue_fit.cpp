@@ -134,11 +134,11 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     const auto configure = [&](SimulationSettings& model) {
         take_tangent_options(values, model.newton);
     };
-    SearchedTissue searched = search_tissue(
-        {settings, input, suction, law, num_terms, inside, configure, jobs_of(values), progress},
-        model_sds);
     TriedModel tried;
     tried.name = name_of_model(law, num_terms);
+    SearchedTissue searched = search_tissue({settings, input, suction, tried.name, law, num_terms,
+                                             inside, configure, jobs_of(values), progress},
+                                            model_sds);
     tried.experiment_toml = std::move(searched.experiment_toml);
     tried.experiment = std::move(searched.experiment);
     tried.found = std::make_shared<IdentifiedExperiment>(

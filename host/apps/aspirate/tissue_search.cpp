@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/aspirate/tissue_search.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -53,9 +51,7 @@ private:
     bool rest_is_settled() const;
     void move_surface();
     void report(const char* more) const {
-        report_progress(search_.progress, "fit", 0,
-                        fmt::format("{}, {} relaxation term{}{}", search_.law, search_.num_terms,
-                                    search_.num_terms == 1 ? "" : "s", more));
+        report_progress(search_.progress, "fit", 0, search_.name + more);
     }
 
     const TissueSearch& search_;
@@ -154,7 +150,8 @@ void Search::compare_with_coarse() {
             if (made.prediction) found_.coarser.push_back(made.prediction);
         } catch (const Error& error) {
             // What a coarser mesh cannot do is no reason to lose the fit.
-            if (error.code() == ErrorCode::cancelled) throw;
+            if (error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit)
+                throw;
         }
         found_.num_simulation += coarse.num_simulation();
     }
@@ -173,7 +170,7 @@ SearchedTissue Search::run(
         if (is_last) {
             report("");
             found_.fit = fit(problem, options_, search_.progress);
-            report_progress(search_.progress, "intervals", 0, search_.law);
+            report_progress(search_.progress, "intervals", 0, search_.name);
             IdentifyOptions judging;
             judging.added_sd = model_sd(found_.experiment->parameters());
             found_.identified = identify(problem, found_.fit, judging, search_.progress);

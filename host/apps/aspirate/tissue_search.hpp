@@ -21,6 +21,7 @@ struct TissueSearch {
     const AspirationSettings& settings;
     const AspirationFitInput& input;
     const Suction& suction;
+    std::string name;  ///< of the model, for its progress
     std::string law;
     int num_terms = 0;
     std::filesystem::path inside;  ///< the folder that the points are in

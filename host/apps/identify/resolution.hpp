@@ -13,8 +13,8 @@ bool halve_cells(SimulationSettings& settings);
 bool halve_steps(SimulationSettings& settings);
 
 /// Takes two cells of a graded mesh together in each direction: the lines of the coarser mesh are
-/// lines of this one. False, and nothing done, for other meshes, for
-/// numbers of cells that are odd, and for cells that are divided by an odd number.
+/// lines of this one. False, and nothing done, for other meshes, for numbers of cells that are odd,
+/// and for cells that are divided by an odd number.
 bool double_cells(SimulationSettings& settings);
 /// Takes two time steps together. False for an odd number of them, a static load or a motion.
 bool double_steps(SimulationSettings& settings);
