@@ -147,23 +147,24 @@ void FitRounds::write_counts(Fit& fit) const {
     fit.num_failed = num_failed_;
 }
 
-double discrepancy_energy(const Prediction& prediction, const NoiseModel& noise) {
+double discrepancy_energy(const std::vector<Parameter>& parameters, const Prediction& prediction,
+                          const NoiseModel& noise) {
+    const std::vector<DiscrepancyRange> ranges = discrepancy_ranges(parameters, prediction, noise);
     double sum = 0;
     for (Index b = 0; b < noise.num_block(); ++b)
-        if (noise.discrepancy(b).amplitude > 0)
-            sum -= log_prior(discrepancy_range(prediction.blocks[b], noise.grid(b)),
-                             noise.discrepancy(b));
+        if (noise.discrepancy(b).amplitude > 0) sum -= log_prior(ranges[b], noise.discrepancy(b));
     return sum;
 }
 
-Fit as_fit(GaussNewtonMinimum minimum, const NoiseModel& noise, FitMethod method) {
+Fit as_fit(const std::vector<Parameter>& parameters, GaussNewtonMinimum minimum,
+           const NoiseModel& noise, FitMethod method) {
     Fit fit;
     fit.values = minimum.values;
     fit.transformed = minimum.transformed;
     fit.prediction = minimum.prediction;
     fit.noise = std::make_shared<const NoiseModel>(noise);
     fit.equations = minimum.equations;
-    fit.objective = minimum.objective + discrepancy_energy(*minimum.prediction, noise);
+    fit.objective = minimum.objective + discrepancy_energy(parameters, *minimum.prediction, noise);
     fit.method = method;
     fit.ending = minimum.ending;
     return fit;
@@ -229,7 +230,7 @@ Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSin
         minimum = rounds.search(noise, {minimum.values, minimum.prediction, options.held},
                                 has_settled ? 0.0 : gain_between);
     }
-    Fit result = as_fit(std::move(minimum), noise, options.method);
+    Fit result = as_fit(parameters, std::move(minimum), noise, options.method);
     result.is_settled = has_settled;
     if (options.discrepancy.is_learned)
         result.discrepancy_covariance =

@@ -13,7 +13,7 @@
 #include <memory>
 #include <utility>
 
-#include "host/estimate/simplex.hpp"
+#include "host/estimate/trust_region.hpp"
 
 namespace palpate {
 namespace {
@@ -187,7 +187,7 @@ Discrepancy learn_block(BlockLikelihood& likelihood, const DiscrepancyRange& ran
                         const Discrepancy& last, const ProgressSink& progress) {
     const DiscrepancyCoordinates coordinates(range);
     const NloptOptions options{0, 1, 0.1, 3e-3, 120};
-    const NloptMinimum found = minimise_by_simplex(
+    const NloptMinimum found = minimise_in_trust_region(
         [&](const Eigen::VectorXd& x) {
             check_cancelled(progress);
             return likelihood(coordinates.field(x));
@@ -315,9 +315,29 @@ DataBlock every_row(const DataBlock& block, Index stride) {
 
 }  // namespace
 
-DiscrepancyRange discrepancy_range(const DataBlock& block, const RowGrid& grid) {
+namespace {
+
+/// What is left of each block's residuals where the values fit best without any field,
+///   r - J d,   d = (J^T W J + P)^-1 (J^T W r + P (m - t)),   W of the independent noise alone
+std::vector<Eigen::VectorXd> left_without_fields(const std::vector<Parameter>& parameters,
+                                                 const Prediction& prediction, NoiseModel noise) {
+    for (Index b = 0; b < noise.num_block(); ++b) noise.set_discrepancy(b, {});
+    const NormalEquations equations = normal_equations(parameters, prediction, noise);
+    const Eigen::VectorXd step = -equations.hessian.ldlt().solve(equations.gradient);
+    const Eigen::VectorXd slopes =
+        slopes_of(parameters, to_transformed(parameters, prediction.values));
+    std::vector<Eigen::VectorXd> left;
+    for (const DataBlock& block : prediction.blocks)
+        left.push_back(residual_of(block) - transformed_columns(block, slopes) * step);
+    return left;
+}
+
+DiscrepancyRange range_of_block(const DataBlock& block, const RowGrid& grid,
+                                const Eigen::VectorXd& left) {
     DiscrepancyRange range;
-    const double noise = middle_of(block.sd), rms = robust_rms(residual_of(block));
+    const double noise = middle_of(block.sd), now = robust_rms(residual_of(block)),
+                 without = robust_rms(left);
+    const double rms = without < now ? without : now;
     const double unexplained = std::sqrt(std::max(rms * rms - noise * noise, 0.0));
     range.typical_amplitude = std::max(0.3 * noise, taken_by_the_fit * unexplained);
     range.amplitude = {0.01 * noise, max_residual_rms * std::max(noise, rms)};
@@ -326,6 +346,20 @@ DiscrepancyRange discrepancy_range(const DataBlock& block, const RowGrid& grid) 
     std::tie(range.length_s, range.typical_s) =
         length_range(block.correlation_s, grid.spacing_s(), grid.extent_s());
     return range;
+}
+
+}  // namespace
+
+std::vector<DiscrepancyRange> discrepancy_ranges(const std::vector<Parameter>& parameters,
+                                                 const Prediction& prediction,
+                                                 const NoiseModel& noise) {
+    const std::vector<Eigen::VectorXd> left = left_without_fields(parameters, prediction, noise);
+    std::vector<DiscrepancyRange> ranges;
+    for (Index b = 0; b < noise.num_block(); ++b)
+        ranges.push_back(prediction.blocks[b].num_row() > 0
+                             ? range_of_block(prediction.blocks[b], noise.grid(b), left[b])
+                             : DiscrepancyRange{});
+    return ranges;
 }
 
 double log_prior(const DiscrepancyRange& range, const Discrepancy& field) {
@@ -356,14 +390,13 @@ public:
         : prediction_(without_held(parameters, prediction)),
           noise_(noise),
           slopes_(slopes_of(parameters, to_transformed(parameters, prediction.values))),
-          all_(normal_equations(parameters, prediction_, noise)) {}
+          all_(normal_equations(parameters, prediction_, noise)),
+          ranges_(discrepancy_ranges(parameters, prediction, noise)) {}
 
     bool is_learned(Index b) const {
         return prediction_.blocks[b].has_discrepancy && prediction_.blocks[b].num_row() > 0;
     }
-    DiscrepancyRange range(Index b) const {
-        return discrepancy_range(prediction_.blocks[b], noise_.grid(b));
-    }
+    const DiscrepancyRange& range(Index b) const { return ranges_[b]; }
     BlockLikelihood of_block(Index b) const;
 
 private:
@@ -379,6 +412,7 @@ private:
     const NoiseModel& noise_;
     Eigen::VectorXd slopes_;
     NormalEquations all_;
+    std::vector<DiscrepancyRange> ranges_;
 };
 
 BlockLikelihood PredictionLikelihoods::of_block(Index b) const {

@@ -23,7 +23,8 @@ struct DiscrepancyOptions {
 
 /// The hard ends and the weak priors of the discrepancy of one block.
 struct DiscrepancyRange {
-    /// s: from a hundredth of the typical noise to three times the rms of the residuals.
+    /// s: from a hundredth of the typical noise to three times the rms that the model leaves where
+    /// it fits best.
     std::array<double, 2> amplitude{0, 0};
     /// From 6 % of the extent to all of it: shorter fields hardly matter to parameters, and would
     /// be found in place of longer ones.
@@ -33,7 +34,14 @@ struct DiscrepancyRange {
     double typical_amplitude = 0;
     double typical_mm = 0, typical_s = 0;  ///< medians of the lengths' priors
 };
-DiscrepancyRange discrepancy_range(const DataBlock& block, const RowGrid& grid);
+
+/// Of all blocks. What the model leaves is that of the residuals, or less: that of the values that
+/// would fit best if nothing but noise were in the data, by the linearisation there. A field takes
+/// residuals with it, and these would allow a larger field: parameters would be left to it.
+///   prediction   with columns
+std::vector<DiscrepancyRange> discrepancy_ranges(const std::vector<Parameter>& parameters,
+                                                 const Prediction& prediction,
+                                                 const NoiseModel& noise);
 
 /// ln of the weak priors (log-normal, sd 1 of ln s and of ln length) at a discrepancy.
 double log_prior(const DiscrepancyRange& range, const Discrepancy& discrepancy);

@@ -112,6 +112,28 @@ TEST(Fit, OutliersAreNotTakenForADiscrepancy) {
     EXPECT_LT((found.transformed - to_transformed(problem.parameters(), truth)).norm(), 0.3);
 }
 
+TEST(Fit, AFieldIsBoundedByWhatTheBestValuesLeave) {
+    // y = t +- 0.2; at a = 2 the residuals are far larger
+    DataBlock block = toy_block(Eigen::VectorXd::Zero(50), 0.1);
+    block.time_s = Eigen::VectorXd::LinSpaced(50, 0.1, 5);
+    for (Index i = 0; i < 50; ++i) block.measured[i] = block.time_s[i] + (i % 2 == 0 ? 0.2 : -0.2);
+    const ToyProblem problem{
+        {log_parameter("a", 2, 2, 10)}, block, [times = block.time_s](const Values& v, Index row) {
+            return v[0] * times[row];
+        }};
+    const auto prediction =
+        problem.predict(Eigen::VectorXd::Constant(1, 2), PredictedColumns::wanted, nullptr)
+            .prediction;
+    NoiseModel noise(prediction->blocks, {});
+    noise.set_discrepancy(0, {5, 1, 1});
+
+    const DiscrepancyRange range =
+        discrepancy_ranges(problem.parameters(), *prediction, noise).front();
+
+    EXPECT_NEAR(range.amplitude[1], 3 * 0.2, 0.02);
+    EXPECT_LT(range.typical_amplitude, 0.3);
+}
+
 /// A spring under a known force, which tears where it is softer than 1.
 ToyProblem spring() {
     return {{log_parameter("stiffness", 8, 3, 1)},
