@@ -209,6 +209,17 @@ Eigen::VectorXd draw_from_priors(const std::vector<Parameter>& parameters, std::
     return to_values(parameters, drawn);
 }
 
+Eigen::VectorXd quadratic_minimum(const std::vector<Parameter>& parameters, const Fit& found,
+                                  double most_gain) {
+    // d = -H^-1 g, which gains -g^T d / 2
+    const Eigen::VectorXd step = -found.equations.hessian.ldlt().solve(found.equations.gradient);
+    const double gain = -0.5 * found.equations.gradient.dot(step);
+    if (!step.allFinite() || !(gain <= most_gain)) return found.values;
+    const TransformedRange range = range_of(parameters);
+    return to_values(parameters,
+                     (found.transformed + step).cwiseMax(range.lower).cwiseMin(range.upper));
+}
+
 Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSink& progress) {
     check_fit_options(problem, options);
     const std::vector<Parameter>& parameters = problem.parameters();

@@ -15,8 +15,9 @@ namespace {
 
 constexpr int most_rest_rounds = 4;
 constexpr double settled_rest_mm = 0.01;
-/// Until then a fit is only good for the surface.
-constexpr double gain_for_rest = 0.2;
+/// Until then a fit is only good for the surface: from here its quadratic does as well.
+constexpr double gain_for_rest = 20;
+constexpr int most_steps_for_rest = 12;
 /// At its end: what is left is a third of an sd, far less than models have wrong.
 constexpr double gain_at_end = 0.05;
 constexpr int noise_rounds_for_rest = 2;
@@ -84,9 +85,9 @@ ExperimentProblem Search::coarse_problem(const std::vector<Doubling>& doublings)
             search_.jobs, search_.progress};
 }
 
-/// The next fit begins where this one ends.
-void take_start(const Fit& found, FitOptions& options) {
-    options.start = found.values;
+/// The next fit begins where this one would end.
+void take_start(const std::vector<Parameter>& parameters, const Fit& found, FitOptions& options) {
+    options.start = quadratic_minimum(parameters, found, gain_for_rest);
     options.warm = found.prediction;
     options.discrepancy.given.clear();
     for (Index b = 0; b < found.noise->num_block(); ++b)
@@ -121,9 +122,10 @@ void Search::fit_roughly(const DataProblem& problem) {
     report(", and the surface at rest");
     FitOptions rough = options_;
     rough.gauss_newton.gain_tolerance = gain_for_rest;
+    rough.gauss_newton.max_steps = most_steps_for_rest;
     rough.discrepancy.max_rounds = noise_rounds_for_rest;
     found_.fit = fit(problem, rough, search_.progress);
-    take_start(found_.fit, options_);
+    take_start(problem.parameters(), found_.fit, options_);
 }
 
 bool Search::rest_is_settled() const {

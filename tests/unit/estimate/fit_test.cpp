@@ -134,6 +134,23 @@ TEST(Fit, AFieldIsBoundedByWhatTheBestValuesLeave) {
     EXPECT_LT(range.typical_amplitude, 0.3);
 }
 
+TEST(Fit, TheQuadraticKnowsTheEndOfASearchThatStoppedBeforeIt) {
+    // y = a t, linear: the first linearisation has the minimum
+    DataBlock block = toy_block(Eigen::VectorXd::LinSpaced(20, 0.1, 2), 0.1);
+    const ToyProblem problem{{flat_parameter("a", 0.5)}, block, [](const Values& v, Index row) {
+                                 return v[0] * 0.1 * static_cast<double>(row + 1);
+                             }};
+    FitOptions options;
+    options.discrepancy.is_learned = false;
+    options.gauss_newton.gain_tolerance = 1e6;  // ends at the start
+
+    const Fit found = fit(problem, options);
+
+    EXPECT_EQ(found.values[0], 0.5);
+    EXPECT_NEAR(quadratic_minimum(problem.parameters(), found, 1e6)[0], 1, 1e-9);
+    EXPECT_EQ(quadratic_minimum(problem.parameters(), found, 1)[0], 0.5);  // it would gain more
+}
+
 /// A spring under a known force, which tears where it is softer than 1.
 ToyProblem spring() {
     return {{log_parameter("stiffness", 8, 3, 1)},
