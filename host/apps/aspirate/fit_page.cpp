@@ -87,6 +87,26 @@ std::string colour_of(double part) {
     return part < 0 ? fmt::format("rgb({0},{0},255)", pale) : fmt::format("rgb(255,{0},{0})", pale);
 }
 
+/// What the colours mean, from -most to most, right above the map.
+std::string colour_bar(double most) {
+    constexpr int num_cell = 21;
+    constexpr double bar_width = 210, cell = bar_width / num_cell;
+    const double left = width - 10 - bar_width;
+    std::string bar;
+    for (int k = 0; k < num_cell; ++k)
+        bar += fmt::format("<rect x='{:.1f}' y='18' width='{:.1f}' height='9' fill='{}'/>",
+                           left + k * cell, cell + 0.3, colour_of(2.0 * k / (num_cell - 1) - 1));
+    const auto label = [&](double x, const char* anchor, const std::string& words) {
+        bar += fmt::format("<text x='{:.1f}' y='12' text-anchor='{}' class='label'>{}</text>", x,
+                           anchor, words);
+    };
+    label(left, "start", fmt::format("-{:.3f}", most));
+    label(left + bar_width / 2, "middle", "0");
+    label(left + bar_width, "end", fmt::format("+{:.3f} mm", most));
+    label(50, "start", "measured less model");
+    return bar;
+}
+
 std::string residual_picture(const AspirationFit& fit) {
     const DataBlock& block = fit.best().found->fit.prediction->blocks.front();
     const Eigen::VectorXd residual = block.measured - block.predicted;
@@ -97,7 +117,8 @@ std::string residual_picture(const AspirationFit& fit) {
     for (auto& [time_s, column] : place) column = at++;
     const double left = 50, wide = (width - left - 10) / double(place.size());
     const double radius = block.position_mm.col(0).cwiseAbs().maxCoeff() + 0.25;
-    const auto y_of = [&](double r_mm) { return 10 + 220 * (radius - r_mm) / (2 * radius); };
+    constexpr double top = 38;
+    const auto y_of = [&](double r_mm) { return top + 220 * (radius - r_mm) / (2 * radius); };
     std::string cells;
     for (Index row = 0; row < block.num_row(); ++row)
         cells += fmt::format(
@@ -115,23 +136,21 @@ std::string residual_picture(const AspirationFit& fit) {
     for (const auto& [time_s, column] : place)
         if (column % std::max<std::size_t>(1, place.size() / 6) == 0)
             labels += fmt::format(
-                "<text x='{:.1f}' y='248' text-anchor='middle' class='label'>"
+                "<text x='{:.1f}' y='276' text-anchor='middle' class='label'>"
                 "{:.1f}</text>",
                 left + wide * (double(column) + 0.5), time_s);
     labels += fmt::format(
-        "<text x='{:.0f}' y='266' text-anchor='middle' class='label'>time from the begin of "
-        "suction, s (frames that are fitted, not evenly spaced)</text><text x='12' y='120' "
-        "transform='rotate(-90 12 120)' text-anchor='middle' class='label'>r, mm"
+        "<text x='{:.0f}' y='294' text-anchor='middle' class='label'>time from the begin of "
+        "suction, s (frames that are fitted, not evenly spaced)</text><text x='12' y='148' "
+        "transform='rotate(-90 12 148)' text-anchor='middle' class='label'>r, mm"
         "</text>",
         0.5 * (left + width));
     return figure_html(
-        fmt::format("<svg class='map' viewBox='0 0 {:.0f} 272' role='img' aria-label='Residuals "
-                    "over time and place'>{}{}</svg>",
-                    width, cells, labels),
-        fmt::format("Measured less model: blue, the tissue stands lower than the model says; red, "
-                    "higher. Full colour is {:.3f} mm; white is none, or nothing seen. What is "
-                    "patterned here is what the model does not explain.",
-                    most));
+        fmt::format("<svg class='map' viewBox='0 0 {:.0f} 300' role='img' aria-label='Residuals "
+                    "over time and place'>{}{}{}</svg>",
+                    width, colour_bar(most), cells, labels),
+        "Blue: the tissue stands lower than the model says; red: higher; white also where nothing "
+        "was seen. What is patterned here is what the model does not explain.");
 }
 
 }  // namespace
@@ -234,6 +253,10 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
     const std::string frames = film ? film_sections(film->strip, film->time_s, film->apex_mm,
                                                     film_lines(*film, fit.settings.instrument))
                                     : "";
+    // First what it says of the tissue, then what to look at, then all figures.
+    ResultTree findings, more;
+    for (const ResultTree::Child& child : tree.children)
+        (&child == &tree.children.front() ? findings : more).children.push_back(child);
     return page_html(
         {.kind = film ? "palpate aspirate run" : "palpate aspirate fit",
          .version = version_text(),
@@ -243,11 +266,11 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
                  escape_html(fit.best().name) + ".</p>",
          .notices = notices,
          .main =
-             tree_sections_html(tree) +
+             tree_sections_html(findings) +
              section_html("history", "Over the cycle", history_picture(fit)) +
              section_html("profiles", "Profiles",
                           "<div class='figures'>" + profiles + residual_picture(fit) + "</div>") +
-             frames,
+             frames + tree_sections_html(more),
          .footer = "All figures: <code>result.json</code>; the model with these values: "
                    "<code>identified.toml</code>, which <code>palpate simulate</code> runs.",
          .style = std::string(".map{width:100%}.map .label{font-size:11px;fill:currentColor}") +
