@@ -64,7 +64,7 @@ std::string report_of(const Application& application, const OptionValues& values
                       .version = version_text(),
                       .headline = escape_html(result.title),
                       .lead = "<p class='summary'>" + escape_html(application.summary) + ".</p>",
-                      .main = tree_sections_html(result) + pictures_html(outcome.pictures) +
+                      .main = tree_sections_html(result, pictures_html(outcome.pictures)) +
                               section_html("given", "What was given", given),
                       .footer = "The same figures for programs: <code>result.json</code>."});
 }

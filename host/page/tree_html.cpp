@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 #include "host/page/figure_html.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/tree_table.hpp"
@@ -26,26 +28,37 @@ std::string own_figures_html(const ResultTree& tree) {
     return rows.empty() ? cards : cards + facts_html(rows);
 }
 
-std::string parts_html(const ResultTree& tree) {
-    std::string out;
+std::vector<std::string> parts_html(const ResultTree& tree) {
+    std::vector<std::string> parts;
     for (const ResultTree* part : tree.parts())
         if (!part->title.empty())
-            out += fmt::format("<section><h2>{}</h2>{}</section>", escape_html(part->title),
-                               tree_html(*part));
-    return out;
+            parts.push_back(fmt::format("<section><h2>{}</h2>{}</section>",
+                                        escape_html(part->title), tree_html(*part)));
+    return parts;
 }
 
 }  // namespace
 
 std::string tree_html(const ResultTree& tree) {
     if (tree.shape == ResultTree::Shape::list) return table_of(tree).html();
-    return own_figures_html(tree) + parts_html(tree);
+    std::string html = own_figures_html(tree);
+    for (const std::string& part : parts_html(tree)) html += part;
+    return html;
 }
 
-std::string tree_sections_html(const ResultTree& tree) {
-    if (tree.shape == ResultTree::Shape::list) return "<section>" + tree_html(tree) + "</section>";
-    const std::string own = own_figures_html(tree);
-    return (own.empty() ? "" : "<section>" + own + "</section>") + parts_html(tree);
+std::string tree_sections_html(const ResultTree& tree, const std::string& pictures_html) {
+    std::vector<std::string> sections;
+    if (tree.shape == ResultTree::Shape::list) {
+        sections.push_back("<section>" + tree_html(tree) + "</section>");
+    } else {
+        sections = parts_html(tree);
+        const std::string own = own_figures_html(tree);
+        if (!own.empty()) sections.insert(sections.begin(), "<section>" + own + "</section>");
+    }
+    sections.insert(sections.begin() + (sections.empty() ? 0 : 1), pictures_html);
+    std::string html;
+    for (const std::string& section : sections) html += section;
+    return html;
 }
 
 }  // namespace palpate

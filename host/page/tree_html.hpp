@@ -13,7 +13,8 @@ namespace palpate {
 /// escaped.
 std::string tree_html(const ResultTree& tree);
 
-/// The same as sections of a page: its own figures in one, each part in its own.
-std::string tree_sections_html(const ResultTree& tree);
+/// The same as sections of a page: its own figures in one, each part in its own. `pictures_html`,
+/// sections too, stand after the first: what was found, then what to look at, then the rest.
+std::string tree_sections_html(const ResultTree& tree, const std::string& pictures_html = "");
 
 }  // namespace palpate

@@ -253,10 +253,6 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
     const std::string frames = film ? film_sections(film->strip, film->time_s, film->apex_mm,
                                                     film_lines(*film, fit.settings.instrument))
                                     : "";
-    // First what it says of the tissue, then what to look at, then all figures.
-    ResultTree findings, more;
-    for (const ResultTree::Child& child : tree.children)
-        (&child == &tree.children.front() ? findings : more).children.push_back(child);
     return page_html(
         {.kind = film ? "palpate aspirate run" : "palpate aspirate fit",
          .version = version_text(),
@@ -266,11 +262,12 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
                  escape_html(fit.best().name) + ".</p>",
          .notices = notices,
          .main =
-             tree_sections_html(findings) +
-             section_html("history", "Over the cycle", history_picture(fit)) +
-             section_html("profiles", "Profiles",
-                          "<div class='figures'>" + profiles + residual_picture(fit) + "</div>") +
-             frames + tree_sections_html(more),
+             tree_sections_html(
+                 tree, section_html("history", "Over the cycle", history_picture(fit)) +
+                           section_html("profiles", "Profiles",
+                                        "<div class='figures'>" + profiles +
+                                            residual_picture(fit) + "</div>") +
+                           frames),
          .footer = "All figures: <code>result.json</code>; the model with these values: "
                    "<code>identified.toml</code>, which <code>palpate simulate</code> runs.",
          .style = std::string(".map{width:100%}.map .label{font-size:11px;fill:currentColor}") +
