@@ -12,7 +12,7 @@ import subprocess
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-STYLE = """.mark{fill:#fff;stroke-width:1.6}.axis{stroke:#666;fill:none}.grid{stroke:#ddd;fill:none}.curve{fill:none;stroke-width:2}
+STYLE = """.ring{fill:#fff;stroke-width:1.6}.axis{stroke:#666;fill:none}.grid{stroke:#ddd;fill:none}.curve{fill:none;stroke-width:2}
 text{font:12px sans-serif;fill:#555}"""
 COLOURS = {"--ink": "#222", "--soft": "#555", "--line": "#ddd", "--accent": "#1f6fb2", "--paper": "#fff", "--card": "#fff"}
 

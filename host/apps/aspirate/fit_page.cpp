@@ -261,13 +261,12 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
          .lead = "<p class='summary'>Tissue that was sucked into a tube: " +
                  escape_html(fit.best().name) + ".</p>",
          .notices = notices,
-         .main =
-             tree_sections_html(
-                 tree, section_html("history", "Over the cycle", history_picture(fit)) +
-                           section_html("profiles", "Profiles",
-                                        "<div class='figures'>" + profiles +
-                                            residual_picture(fit) + "</div>") +
-                           frames),
+         .main = tree_sections_html(
+             tree, section_html("history", "Over the cycle", history_picture(fit)) +
+                       section_html(
+                           "profiles", "Profiles",
+                           "<div class='figures'>" + profiles + residual_picture(fit) + "</div>") +
+                       frames),
          .footer = "All figures: <code>result.json</code>; the model with these values: "
                    "<code>identified.toml</code>, which <code>palpate simulate</code> runs.",
          .style = std::string(".map{width:100%}.map .label{font-size:11px;fill:currentColor}") +
