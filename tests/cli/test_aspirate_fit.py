@@ -112,6 +112,24 @@ def test_a_plan_needs_no_film_and_tells_what_to_expect(tmp_path):
     assert 0.001 < mu["interval_95"][1] / mu["interval_95"][0] - 1 < 0.2
 
 
+def test_the_outer_side_slides_is_held_or_is_free(tmp_path):
+    (tmp_path / "pressure.csv").write_text("time_s,suction_mbar\n0,0\n0.2,0\n3.7,60\n6.7,60\n9.7,0\n12,0\n")
+    sections = {}
+    for side in ("slides", "held", "free"):
+        settings = SETTINGS.replace("[tissue]\n", f'[tissue]\nside = "{side}"\n')
+        assert settings != SETTINGS
+        (tmp_path / "plan.toml").write_text(settings + "[supposed]\nmu_kpa = 0.7\ngamma = 10\namplitude = 0.4\ntime_s = 3\n")
+        out = tmp_path / side
+        finished = run_palpate("aspirate", "plan", "--pressure", tmp_path / "pressure.csv", "--config", tmp_path / "plan.toml",
+                               "--out", out, "--quiet")
+        assert finished.returncode == 0, finished.stderr
+        model = (out / "experiment.toml").read_text()
+        sections[side] = model[model.index("[[fix]]"):model.index("[[obstacle]]")]
+        assert json.loads((out / "result.json").read_text())["parameters"]
+    assert 'components = "x"' in sections["slides"] and "x-max" in sections["held"] and "x-max" not in sections["free"]
+    assert "components" not in sections["held"]
+
+
 def test_a_plan_without_what_it_needs_is_refused(tmp_path):
     (tmp_path / "plan.toml").write_text(SETTINGS)
     (tmp_path / "pressure.csv").write_text("time_s,suction_mbar\n0,0\n1,20\n2,0\n")
@@ -139,6 +157,7 @@ def changed(path, old, new):
     ("delay_s = {value = 0.0, sd = 0.02}", 'delay_s = "unknown"', 2, "delay_s"),
     ("steps = 12", "friction = -1", 2, "friction"),
     ("steps = 12", "refine = 0", 2, "refine"),
+    ("steps = 12", 'side = "glued"', 2, "side"),
     ("edge_radius_mm = 0.2\nrim_thickness_mm = 0.5\nouter_diameter_mm = 20.0\n",
      "edge_radius_mm = 8.2\nrim_thickness_mm = 0.5\n", 2, "'outer_diameter_mm' is left out"),
 ])

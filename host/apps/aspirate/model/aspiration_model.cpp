@@ -76,6 +76,7 @@ AspirationBody AspirationBody::of(const AspirationSettings& settings) {
     body.outer_diameter_mm = settings.outer_diameter_mm;
     body.depth_mm = settings.depth_mm;
     body.width_mm = settings.width_mm;
+    body.side = settings.side;
     body.friction = settings.friction;
     body.refine = settings.refine;
     return body;
@@ -91,9 +92,10 @@ std::string aspiration_model_text(const AspirationBody& body) {
     text += fmt::format("surface_x_mm = {}\nsurface_y_mm = {}\n\n", list_of(body.rest.r_mm),
                         list_of(body.rest.z_mm));
     text += tissue_text(body);
-    text +=
-        "\n[[fix]]\nname = \"bottom\"\nwhere = {side = \"y-min\"}\n\n"
-        "[[fix]]\nname = \"side\"\nwhere = {side = \"x-max\"}\ncomponents = \"x\"\n";
+    text += "\n[[fix]]\nname = \"bottom\"\nwhere = {side = \"y-min\"}\n";
+    if (body.side != TissueSide::free)
+        text += "\n[[fix]]\nname = \"side\"\nwhere = {side = \"x-max\"}\n";
+    if (body.side == TissueSide::slides) text += "components = \"x\"\n";
     text += fmt::format(
         "\n[[obstacle]]\nname = \"tube\"\nshape = \"tube\"\nplace_mm = [0, 0]\n"
         "direction = [0, -1]\nhole_radius_mm = {}\nedge_radius_mm = {}\nouter_radius_mm = {:.6g}\n"

@@ -31,6 +31,7 @@ struct AspirationBody {
     std::string title;
     SettingNumber hole_diameter_mm, edge_radius_mm, depth_mm, friction;
     double outer_diameter_mm = 0, width_mm = 0;
+    TissueSide side = TissueSide::slides;
     RestSurface rest;
     TissueText tissue;
     double kappa_kpa = 0;           ///< bulk modulus

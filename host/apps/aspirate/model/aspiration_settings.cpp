@@ -191,13 +191,17 @@ std::vector<int> read_terms(const SettingsTable& table) {
 }
 
 void read_tissue(const SettingsTable& table, AspirationSettings& read, const NumberReader& reader) {
-    table.allow_keys({"depth_mm", "width_mm", "laws", "relaxation_terms", "kappa_over_shear",
-                      "friction", "steps", "refine"});
+    table.allow_keys({"depth_mm", "width_mm", "side", "laws", "relaxation_terms",
+                      "kappa_over_shear", "friction", "steps", "refine"});
     if (const auto depth = reader.read(table, "depth_mm", length_mm)) read.depth_mm = *depth;
     read.width_mm = table.number("width_mm", length_mm).value_or(read.width_mm);
     if (read.width_mm < 0.6 * read.outer_diameter_mm)
         table.refuse("width_mm", fmt::format("allowed: at least {:g}, beyond the tube",
                                              0.6 * read.outer_diameter_mm));
+    const std::string side = table.choice("side", {"slides", "held", "free"}).value_or("slides");
+    read.side = side == "held"   ? TissueSide::held
+                : side == "free" ? TissueSide::free
+                                 : TissueSide::slides;
     read.laws = read_laws(table);
     read.relaxation_terms = read_terms(table);
     read.kappa_over_shear =

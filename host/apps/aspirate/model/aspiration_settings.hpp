@@ -51,15 +51,20 @@ struct SupposedTissue {
     double sd_mm = 0.01;  ///< noise of a point of a profile
 };
 
+/// What the tissue's outer side does: it slides along a wall, is held by one, or nothing touches
+/// it.
+enum class TissueSide : std::uint8_t { slides, held, free };
+
 /// All that a settings file says.
 struct AspirationSettings {
     AspirationInstrument instrument;
     SettingNumber hole_diameter_mm, edge_radius_mm, pixel_r_um, pixel_z_um;
     double outer_diameter_mm = 0;
-    SettingNumber delay_s;           ///< of frames behind the readings of suction
-    std::optional<Suction> suction;  ///< if it is given there
-    SettingNumber depth_mm;          ///< of the tissue
-    double width_mm = 0;             ///< of what is modelled, from the axis
+    SettingNumber delay_s;                 ///< of frames behind the readings of suction
+    std::optional<Suction> suction;        ///< if it is given there
+    SettingNumber depth_mm;                ///< of the tissue
+    double width_mm = 0;                   ///< of what is modelled, from the axis
+    TissueSide side = TissueSide::slides;  ///< there
     std::vector<std::string> laws;
     std::vector<int> relaxation_terms;  ///< how many are tried
     /// Bulk modulus over Young's modulus that the travel at the peak tells.
