@@ -57,6 +57,11 @@ FirstPrediction first_prediction(const DataProblem& problem, const FitOptions& o
             return {made.prediction, note};
         }
         if (k == 0) first_failure = made.failure;
+        if (k == 0 && options.warm && options.warm->values != start) {
+            made = checked_prediction(problem, options.warm->values, PredictedColumns::wanted,
+                                      options.warm.get());
+            if (made.prediction) return {made.prediction, "that of an earlier prediction"};
+        }
     }
     throw Error(
         ErrorCode::solve_failed,
@@ -211,13 +216,10 @@ Eigen::VectorXd draw_from_priors(const std::vector<Parameter>& parameters, std::
 
 Eigen::VectorXd quadratic_minimum(const std::vector<Parameter>& parameters, const Fit& found,
                                   double most_gain) {
-    // d = -H^-1 g, which gains -g^T d / 2
-    const Eigen::VectorXd step = -found.equations.hessian.ldlt().solve(found.equations.gradient);
-    const double gain = -0.5 * found.equations.gradient.dot(step);
-    if (!step.allFinite() || !(gain <= most_gain)) return found.values;
-    const TransformedRange range = range_of(parameters);
-    return to_values(parameters,
-                     (found.transformed + step).cwiseMax(range.lower).cwiseMin(range.upper));
+    const Eigen::VectorXd step = quadratic_step(parameters, found.transformed, found.equations);
+    const double gain = quadratic_gain(found.equations, step);
+    if (!(gain > 0 && gain <= most_gain)) return found.values;
+    return to_values(parameters, found.transformed + step);
 }
 
 Fit fit(const DataProblem& problem, const FitOptions& options, const ProgressSink& progress) {

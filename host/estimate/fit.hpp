@@ -72,10 +72,9 @@ struct Fit {
 /// Flat priors: sd 1 of a log or logit around the start, else the size of the start.
 Eigen::VectorXd draw_from_priors(const std::vector<Parameter>& parameters, std::mt19937& random);
 
-/// Where the quadratic of F around a fit has its minimum, within the hard ends, on the parameters'
-/// own scales: the end of a search that stopped before it, without another prediction. The fit's
-/// own values where that would gain more than `most_gain` of ln posterior: so far no quadratic is
-/// believed.
+/// Where `quadratic_step` leads from a fit, on the parameters' own scales: the end of a search that
+/// stopped before it, without another prediction. The fit's own values where that would gain more
+/// than `most_gain` of ln posterior: so far no quadratic is believed.
 Eigen::VectorXd quadratic_minimum(const std::vector<Parameter>& parameters, const Fit& found,
                                   double most_gain);
 

@@ -18,8 +18,6 @@ namespace {
 
 /// Directions whose curvature is smaller than this share of the largest, after scaling, are flat.
 constexpr double flat_curvature = 1e-14;
-/// A step on a parameter's own scale changes it by at most this many sd of its prior.
-constexpr double max_prior_sd = 3.0;
 /// Changes of F below this share of it are round-off.
 constexpr double resolution = 1e-12;
 constexpr double max_damping = 1e14;
@@ -65,11 +63,8 @@ private:
     void begin(const GaussNewtonStart& start);
     void linearise();
     std::vector<Index> free_parameters() const;
-    bool stands_at_end(Index k) const;
     void measure_gain(const std::vector<Index>& free);
     Eigen::VectorXd damped_step(const std::vector<Index>& free) const;
-    Eigen::VectorXd shortened(Eigen::VectorXd step) const;
-    double model_change(const Eigen::VectorXd& step) const;
     double enough_gain() const;
     double held_objective(const Prediction& prediction) const;
     std::shared_ptr<const Prediction> predict(const Eigen::VectorXd& values, std::string& failure);
@@ -138,16 +133,11 @@ std::shared_ptr<const Prediction> GaussNewtonSearch::predict(const Eigen::Vector
     return nullptr;
 }
 
-/// Whether a parameter is at a hard end and F falls beyond it.
-bool GaussNewtonSearch::stands_at_end(Index k) const {
-    const double slope = now_.equations.gradient[k], t = now_.transformed[k];
-    return (t <= range_.lower[k] && slope > 0) || (t >= range_.upper[k] && slope < 0);
-}
-
 std::vector<Index> GaussNewtonSearch::free_parameters() const {
     std::vector<Index> free;
     for (Index k = 0; k < now_.transformed.size(); ++k)
-        if (!is_held_[k] && !stands_at_end(k)) free.push_back(k);
+        if (!is_held_[k] && !stands_at_end(range_, now_.transformed, now_.equations.gradient, k))
+            free.push_back(k);
     return free;
 }
 
@@ -178,26 +168,6 @@ Eigen::VectorXd GaussNewtonSearch::damped_step(const std::vector<Index>& free) c
     return step;
 }
 
-/// No parameter changes by more than it may, and none leaves its range.
-Eigen::VectorXd GaussNewtonSearch::shortened(Eigen::VectorXd step) const {
-    double share = 1;
-    for (Index k = 0; k < step.size(); ++k) {
-        const Parameter& parameter = parameters_[k];
-        const double longest = parameter.transform != Transform::identity ? options_.max_change
-                               : parameter.has_prior() ? max_prior_sd * parameter.sd
-                                                       : std::numeric_limits<double>::infinity();
-        if (std::abs(step[k]) * share > longest) share = longest / std::abs(step[k]);
-    }
-    step *= std::min(share, 1.0) * reach_;
-    return (now_.transformed + step).cwiseMax(range_.lower).cwiseMin(range_.upper) -
-           now_.transformed;
-}
-
-/// How far the quadratic of F falls along a step: -(g^T d + d^T H d / 2).
-double GaussNewtonSearch::model_change(const Eigen::VectorXd& step) const {
-    return -(now_.equations.gradient.dot(step) + 0.5 * step.dot(now_.equations.hessian * step));
-}
-
 /// F up to what does not change while the noise is held.
 double GaussNewtonSearch::held_objective(const Prediction& prediction) const {
     return noise_.misfit(prediction) +
@@ -209,8 +179,10 @@ double GaussNewtonSearch::enough_gain() const {
 }
 
 bool GaussNewtonSearch::try_step(const std::vector<Index>& free) {
-    const Eigen::VectorXd step = shortened(damped_step(free));
-    const double before = held_objective(*now_.prediction), promised = model_change(step);
+    const Eigen::VectorXd step =
+        allowed_step(parameters_, now_.transformed, damped_step(free), options_.max_change, reach_);
+    const double before = held_objective(*now_.prediction),
+                 promised = quadratic_gain(now_.equations, step);
     GaussNewtonTrial trial{std::numeric_limits<double>::infinity(), now_.predicted_gain, damping_,
                            false, ""};
     const auto made = predict(to_values(parameters_, now_.transformed + step), trial.failure);

@@ -10,6 +10,7 @@
 
 #include "host/estimate/data_problem.hpp"
 #include "host/estimate/noise_model.hpp"
+#include "host/estimate/quadratic_step.hpp"
 #include "solver/base/log.hpp"
 
 namespace palpate {
@@ -25,7 +26,7 @@ enum class Ending : std::uint8_t {
 const char* name_of(Ending ending);
 
 struct GaussNewtonOptions {
-    double max_change = 0.7;  ///< of a log or logit parameter in one step
+    double max_change = usual_max_change;  ///< of a log or logit parameter in one step
     /// The search ends when the best step would gain less than this in ln posterior.
     double gain_tolerance = 0.01;
     /// Or less than this share of the misfit, for searches whose noise is not yet known.

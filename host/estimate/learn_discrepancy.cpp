@@ -13,6 +13,7 @@
 #include <memory>
 #include <utility>
 
+#include "host/estimate/quadratic_step.hpp"
 #include "host/estimate/trust_region.hpp"
 
 namespace palpate {
@@ -166,6 +167,7 @@ private:
 Discrepancy best_start(BlockLikelihood& likelihood, const DiscrepancyRange& range,
                        const Discrepancy& last) {
     constexpr int num_amplitude = 6;
+    const DiscrepancyCoordinates coordinates(range);
     Discrepancy best = last;
     double lowest = std::numeric_limits<double>::infinity();
     const auto look = [&](const Discrepancy& field) {
@@ -174,7 +176,7 @@ Discrepancy best_start(BlockLikelihood& likelihood, const DiscrepancyRange& rang
         lowest = value;
         best = field;
     };
-    if (last.amplitude > 0) look(last);
+    if (last.amplitude > 0) look(coordinates.field(coordinates.coordinates(last)));
     for (int k = 0; k < num_amplitude; ++k) {
         const double share = (k + 0.5) / num_amplitude;
         look({range.amplitude[0] * std::pow(range.amplitude[1] / range.amplitude[0], share),
@@ -187,20 +189,24 @@ Discrepancy learn_block(BlockLikelihood& likelihood, const DiscrepancyRange& ran
                         const Discrepancy& last, const ProgressSink& progress) {
     const DiscrepancyCoordinates coordinates(range);
     const NloptOptions options{0, 1, 0.1, 3e-3, 120};
-    const NloptMinimum found = minimise_in_trust_region(
-        [&](const Eigen::VectorXd& x) {
-            check_cancelled(progress);
-            return likelihood(coordinates.field(x));
-        },
-        coordinates.coordinates(best_start(likelihood, range, last)), options);
-    return coordinates.field(found.x);
+    const auto value_at = [&](const Eigen::VectorXd& x) {
+        check_cancelled(progress);
+        return likelihood(coordinates.field(x));
+    };
+    const Eigen::VectorXd start = coordinates.coordinates(best_start(likelihood, range, last));
+    const NloptMinimum found = minimise_in_trust_region(value_at, start, options);
+    // The search begins a step away from the ends.
+    return coordinates.field(value_at(start) < found.value ? start : found.x);
 }
 
 /// Inverse of the curvature of -ln p in ln s, ln length_mm, ln length_s; those that are known or at
-/// a hard end have no variance.
+/// a hard end have no variance. Of s, which is not known better for a bound, it is taken a step
+/// within its upper end.
 Eigen::Matrix3d log_covariance(BlockLikelihood& likelihood, const DiscrepancyRange& range,
-                               const Discrepancy& at) {
+                               Discrepancy at) {
     const DiscrepancyCoordinates coordinates(range);
+    constexpr double within = 1.01 * curvature_step;
+    at.amplitude = std::min(at.amplitude, range.amplitude[1] * std::exp(-within));
     const Eigen::VectorXd x = coordinates.coordinates(at);
     std::vector<int> places;  // of the coordinates that have room, in (s, mm, s)
     std::vector<double Discrepancy::*> members;
@@ -317,30 +323,42 @@ DataBlock every_row(const DataBlock& block, Index stride) {
 
 namespace {
 
-/// What is left of each block's residuals where the values fit best without any field,
-///   r - J d,   d = (J^T W J + P)^-1 (J^T W r + P (m - t)),   W of the independent noise alone
-std::vector<Eigen::VectorXd> left_without_fields(const std::vector<Parameter>& parameters,
-                                                 const Prediction& prediction, NoiseModel noise) {
-    for (Index b = 0; b < noise.num_block(); ++b) noise.set_discrepancy(b, {});
-    const NormalEquations equations = normal_equations(parameters, prediction, noise);
-    const Eigen::VectorXd step = -equations.hessian.ldlt().solve(equations.gradient);
-    const Eigen::VectorXd slopes =
-        slopes_of(parameters, to_transformed(parameters, prediction.values));
-    std::vector<Eigen::VectorXd> left;
-    for (const DataBlock& block : prediction.blocks)
-        left.push_back(residual_of(block) - transformed_columns(block, slopes) * step);
-    return left;
+/// What is left of a block's residuals where the values fit best without a field of its own,
+///   r - J d,   d = (J^T C^-1 J + P)^-1 (J^T C^-1 r + P (m - t)),
+/// d no longer than a step of a search may be. Rows that are outliers there count less, not those
+/// that are so under the field.
+Eigen::VectorXd left_without_field(const std::vector<Parameter>& parameters,
+                                   const Prediction& prediction, NoiseModel noise, Index b) {
+    constexpr int num_weighting = 2;
+    const Eigen::VectorXd transformed = to_transformed(parameters, prediction.values);
+    const Eigen::VectorXd slopes = slopes_of(parameters, transformed);
+    noise.set_discrepancy(b, {});
+    Prediction moved = prediction;
+    for (int round = 0; round < num_weighting; ++round) {
+        const Eigen::VectorXd step = quadratic_step(
+            parameters, transformed, normal_equations(parameters, prediction, noise));
+        for (std::size_t k = 0; k < moved.blocks.size(); ++k)
+            moved.blocks[k].predicted = prediction.blocks[k].predicted +
+                                        transformed_columns(prediction.blocks[k], slopes) * step;
+        noise.reweight(moved);
+    }
+    return residual_of(moved.blocks[b]);
 }
 
 DiscrepancyRange range_of_block(const DataBlock& block, const RowGrid& grid,
-                                const Eigen::VectorXd& left) {
+                                const Eigen::VectorXd& left, Index num_parameter) {
     DiscrepancyRange range;
-    const double noise = middle_of(block.sd), now = robust_rms(residual_of(block)),
-                 without = robust_rms(left);
+    const auto rows = static_cast<double>(block.num_row());
+    const double noise = middle_of(block.sd), now = robust_rms(residual_of(block));
+    // The parameters took some of it: n / (n - p) of the variance.
+    const double without =
+        robust_rms(left) *
+        std::sqrt(rows / std::max(1.0, rows - static_cast<double>(num_parameter)));
     const double rms = without < now ? without : now;
-    const double unexplained = std::sqrt(std::max(rms * rms - noise * noise, 0.0));
-    range.typical_amplitude = std::max(0.3 * noise, taken_by_the_fit * unexplained);
+    const double unexplained = std::sqrt(std::max(now * now - noise * noise, 0.0));
     range.amplitude = {0.01 * noise, max_residual_rms * std::max(noise, rms)};
+    range.typical_amplitude =
+        std::min(std::max(0.3 * noise, taken_by_the_fit * unexplained), range.amplitude[1]);
     std::tie(range.length_mm, range.typical_mm) =
         length_range(block.correlation_mm, grid.spacing_mm(), grid.extent_mm());
     std::tie(range.length_s, range.typical_s) =
@@ -353,12 +371,14 @@ DiscrepancyRange range_of_block(const DataBlock& block, const RowGrid& grid,
 std::vector<DiscrepancyRange> discrepancy_ranges(const std::vector<Parameter>& parameters,
                                                  const Prediction& prediction,
                                                  const NoiseModel& noise) {
-    const std::vector<Eigen::VectorXd> left = left_without_fields(parameters, prediction, noise);
-    std::vector<DiscrepancyRange> ranges;
-    for (Index b = 0; b < noise.num_block(); ++b)
-        ranges.push_back(prediction.blocks[b].num_row() > 0
-                             ? range_of_block(prediction.blocks[b], noise.grid(b), left[b])
-                             : DiscrepancyRange{});
+    std::vector<DiscrepancyRange> ranges(prediction.blocks.size());
+    for (Index b = 0; b < noise.num_block(); ++b) {
+        const DataBlock& block = prediction.blocks[b];
+        if (block.num_row() > 0)
+            ranges[b] = range_of_block(block, noise.grid(b),
+                                       left_without_field(parameters, prediction, noise, b),
+                                       static_cast<Index>(parameters.size()));
+    }
     return ranges;
 }
 

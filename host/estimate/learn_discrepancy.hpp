@@ -35,9 +35,10 @@ struct DiscrepancyRange {
     double typical_mm = 0, typical_s = 0;  ///< medians of the lengths' priors
 };
 
-/// Of all blocks. What the model leaves is that of the residuals, or less: that of the values that
-/// would fit best if nothing but noise were in the data, by the linearisation there. A field takes
-/// residuals with it, and these would allow a larger field: parameters would be left to it.
+/// Of all blocks. What the model leaves of a block is that of the residuals, or
+/// less: that of the values that would fit best without its field, by the linearisation there. A
+/// field takes residuals with it, and these would allow a larger field: parameters would be left to
+/// it.
 ///   prediction   with columns
 std::vector<DiscrepancyRange> discrepancy_ranges(const std::vector<Parameter>& parameters,
                                                  const Prediction& prediction,

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Of `minimise_in_trust_region` and `minimise_by_simplex`.
+/// Of both searches below.
 struct NloptOptions {
     double lower = 0, upper = 1;  ///< bounds of every unknown
     double first_step = 0.1;      ///< radius of the first quadratic
@@ -26,7 +26,8 @@ struct NloptMinimum {
 /// Which of NLopt's searches without derivatives.
 enum class NloptSearch : std::uint8_t { bobyqa, nelder_mead };
 
-/// What `minimise_in_trust_region` and `minimise_by_simplex` have in common.
+/// The lowest point that such a search finds; exceptions of `function` come through, a value that
+/// is not finite throws Error(solve_failed).
 NloptMinimum minimise_with_nlopt(NloptSearch search,
                                  const std::function<double(const Eigen::VectorXd&)>& function,
                                  const Eigen::VectorXd& start, const NloptOptions& options);
