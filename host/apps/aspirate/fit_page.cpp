@@ -149,8 +149,8 @@ std::string residual_picture(const AspirationFit& fit) {
         fmt::format("<svg class='map' viewBox='0 0 {:.0f} 300' role='img' aria-label='Residuals "
                     "over time and place'>{}{}{}</svg>",
                     width, colour_bar(most), cells, labels),
-        "Blue: the tissue stands lower than the model says; red: higher; white also where nothing "
-        "was seen. What is patterned here is what the model does not explain.");
+        "Blue: the tissue stands lower than the model says; red: higher; nothing is drawn where "
+        "nothing was seen. What is patterned here is what the model does not explain.");
 }
 
 }  // namespace

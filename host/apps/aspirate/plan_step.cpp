@@ -101,17 +101,17 @@ std::string plan_page(const IdentifiedExperiment& found, const ResultTree& tree,
     for (const Picture& picture : identified_pictures(found))
         figures +=
             "<figure>" + picture.html + "<figcaption>" + picture.caption + "</figcaption></figure>";
-    return page_html(
-        {.kind = "palpate aspirate plan",
-         .version = version_text(),
-         .headline = "What a film of such tissue would tell",
-         .lead = fmt::format("<p class='summary'>Supposed: {}. Intervals are of the "
-                             "noise that is told and of what is known with an error; "
-                             "what no model explains comes on top.</p>",
-                             model),
-         .main = tree_sections_html(tree) +
-                 section_html("profiles", "Profiles", "<div class='figures'>" + figures + "</div>"),
-         .footer = "All figures: <code>result.json</code>."});
+    return page_html({.kind = "palpate aspirate plan",
+                      .version = version_text(),
+                      .headline = "What a film of such tissue would tell",
+                      .lead = fmt::format("<p class='summary'>Supposed: {}. Intervals are of the "
+                                          "noise that is told and of what is known with an error; "
+                                          "what no model explains comes on top.</p>",
+                                          model),
+                      .main = tree_sections_html(
+                          tree, section_html("profiles", "Profiles",
+                                             "<div class='figures'>" + figures + "</div>")),
+                      .footer = "All figures: <code>result.json</code>."});
 }
 
 }  // namespace
