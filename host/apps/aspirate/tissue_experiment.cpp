@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/apps/aspirate/model/aspiration_model.hpp"
 
@@ -80,8 +81,9 @@ AspirationBody body_of(const AspirationSettings& settings, const SuckedBody& suc
 
 bool is_rest_error(const std::string& path) { return path.find("rest_error") != std::string::npos; }
 
-void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
+double move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
     std::vector<double> r_mm = hidden_places_of(sucked), z_mm = by_mm;
+    const std::vector<double> before_mm = sucked.rest.z_mm;
     if (sucked.seen_to_mm > 0) {
         r_mm.insert(r_mm.begin(), sucked.seen_to_mm);
         z_mm.insert(z_mm.begin(), 0);
@@ -97,8 +99,18 @@ void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
             const double z = rest.z_mm[k] + z_mm[p - 1] + share * (z_mm[p] - z_mm[p - 1]);
             rest.z_mm[k] = hidden_height(rest.r_mm[k], z, end_mm);
         }
+    // Behind what is seen it falls outwards, at most by 45 degrees.
+    for (std::size_t k = rest.r_mm.size() - 1; k-- > 0 && rest.r_mm[k] > sucked.seen_to_mm;) {
+        const double outer_mm = rest.z_mm[k + 1];
+        rest.z_mm[k] =
+            std::clamp(rest.z_mm[k], outer_mm, outer_mm + rest.r_mm[k + 1] - rest.r_mm[k]);
+    }
     sucked.moved_mm.resize(by_mm.size(), 0.0);
     for (std::size_t k = 0; k < by_mm.size(); ++k) sucked.moved_mm[k] += by_mm[k];
+    double most_mm = 0;
+    for (std::size_t k = 0; k < before_mm.size(); ++k)
+        most_mm = std::max(most_mm, std::abs(rest.z_mm[k] - before_mm[k]));
+    return most_mm;
 }
 
 std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,

@@ -26,8 +26,9 @@ struct SuckedBody {
 bool is_rest_error(const std::string& path);
 
 /// Moves the hidden part of the surface at rest by what a fit found of `rest_error` [numbers of the
-/// experiment's text that are open]. The prior stays where the guess was.
-void move_rest(SuckedBody& sucked, const std::vector<double>& by_mm);
+/// experiment's text that are open], and gives the largest distance that a place moved, mm: what is
+/// hidden falls outwards, at most by 45 degrees. The prior stays where the guess was.
+double move_rest(SuckedBody& sucked, const std::vector<double>& by_mm);
 
 /// The model of a law with `num_terms` relaxation terms, whose numbers are those of the start.
 std::string supposed_model_text(const AspirationSettings& settings, const SuckedBody& sucked,

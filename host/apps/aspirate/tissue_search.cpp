@@ -17,7 +17,7 @@ constexpr int most_rest_rounds = 4;
 constexpr double settled_rest_mm = 0.01;
 /// Until then a fit is only good for the surface: from here its quadratic does as well.
 constexpr double gain_for_rest = 20;
-constexpr int most_steps_for_rest = 12;
+constexpr int most_steps_for_rest = 12;  // of each search
 /// At its end: what is left is a third of an sd, far less than models have wrong.
 constexpr double gain_at_end = 0.05;
 constexpr int noise_rounds_for_rest = 2;
@@ -50,7 +50,7 @@ private:
     void fit_roughly(const DataProblem& problem);
     void compare_with_coarse();
     bool rest_is_settled() const;
-    void move_surface();
+    double move_surface();
     void report(const char* more) const {
         report_progress(search_.progress, "fit", 0, search_.name + more);
     }
@@ -129,17 +129,20 @@ void Search::fit_roughly(const DataProblem& problem) {
 }
 
 bool Search::rest_is_settled() const {
-    return std::all_of(rest_errors_.begin(), rest_errors_.end(),
+    // A search that was cut off has not told yet.
+    return found_.fit.ending != Ending::too_many_steps &&
+           std::all_of(rest_errors_.begin(), rest_errors_.end(),
                        [&](Index k) { return std::abs(options_.start[k]) < settled_rest_mm; });
 }
 
-void Search::move_surface() {
+/// Gives how far.
+double Search::move_surface() {
     std::vector<double> error_mm;
     for (const Index k : rest_errors_) {
         error_mm.push_back(options_.start[k]);
         options_.start[k] = 0;
     }
-    move_rest(sucked_, error_mm);
+    return move_rest(sucked_, error_mm);
 }
 
 /// y(h) - y(2 h) at the end of the search, of cells and of steps.
@@ -164,11 +167,13 @@ SearchedTissue Search::run(
     const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd) {
     make_experiment();
     find_start();
+    bool has_moved = true;
     for (int round = 1;; ++round) {
         const ExperimentProblem problem(*found_.experiment, search_.configure, search_.jobs,
                                         search_.progress);
-        if (!rest_errors_.empty() && round <= most_rest_rounds) fit_roughly(problem);
-        const bool is_last = rest_is_settled() || round > most_rest_rounds;
+        const bool is_rough = !rest_errors_.empty() && has_moved && round <= most_rest_rounds;
+        if (is_rough) fit_roughly(problem);
+        const bool is_last = !is_rough || rest_is_settled();
         if (is_last) {
             report("");
             found_.fit = fit(problem, options_, search_.progress);
@@ -179,7 +184,7 @@ SearchedTissue Search::run(
         }
         found_.num_simulation += problem.num_simulation();
         if (is_last) break;
-        move_surface();
+        has_moved = move_surface() >= settled_rest_mm;
         make_experiment();
     }
     compare_with_coarse();
