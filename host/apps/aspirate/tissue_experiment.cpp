@@ -21,6 +21,8 @@ constexpr double unseen_sd_mm = 0.6;     // of it where nothing is seen at rest
 constexpr double hidden_sd_mm = 0.2;     // of it
 constexpr double least_hidden_mm = 0.3;  // of r: less is not worth a number
 constexpr double tilt_sd = 0.01;         // of the camera about its axis, rad
+// Of the axis: half a pixel where its column is told, else as the outlines' symmetry tells it.
+constexpr double told_axis_sd_px = 0.5, found_axis_sd_mm = 0.1;
 
 /// Where the surface at rest may be off: between the last that was seen and the rim, and at neither
 /// of them; if nothing was seen, on the axis, too. Empty if hardly anything is hidden.
@@ -133,9 +135,13 @@ std::string experiment_text(const AspirationSettings& settings, const SuckedBody
            fmt::format(
                "\n[[data]]\nname = \"profiles\"\nkind = \"profile\"\nfile = \"{}\"\n"
                "where = {{point_array = \"surface\"}}\nrest = \"measured\"\n"
-               "r_scale = {}\nz_scale = {}\ndelay_s = {}\ntilt = {{value = 0, sd = {}}}\n",
+               "r_scale = {}\nz_scale = {}\ndelay_s = {}\ntilt = {{value = 0, sd = {}}}\n"
+               "r_offset_mm = {{value = 0, sd = {:.4g}}}\n",
                points_file, settings.pixel_r_um.scale_text(), settings.pixel_z_um.scale_text(),
-               settings.delay_s.text(), tilt_sd) +
+               settings.delay_s.text(), tilt_sd,
+               settings.instrument.axis_column_px
+                   ? told_axis_sd_px * settings.pixel_r_um.value / 1000
+                   : found_axis_sd_mm) +
            rest_error_text(sucked);
 }
 

@@ -24,7 +24,8 @@ namespace {
 /// change is scaled:
 ///   z_measured(r, t) = z(r, 0) + z_scale (z(r / r_scale, t - delay) - z(r / r_scale, 0)).
 /// About an axis a place left of it, r < 0, is that at -r. A camera that is turned a little adds
-/// tilt r. Where the surface at rest was guessed, its points are higher than in the model by what
+/// tilt r; where r counts from `r_offset_mm` beside the axis, r - r_offset_mm stands for r in the
+/// model. Where the surface at rest was guessed, its points are higher than in the model by what
 /// `rest_error` says of their r at rest, at all times: straight lines between its places, and none
 /// beyond them. What that changes of the mechanics is left out.
 class ProfileData final : public MeasuredData {
@@ -37,7 +38,8 @@ public:
           r_scale_(source.table.number("r_scale", positive).value_or(1)),
           z_scale_(source.table.number("z_scale", positive).value_or(1)),
           delay_s_(source.table.number("delay_s", any_number).value_or(0)),
-          tilt_(source.table.number("tilt", any_number).value_or(0)) {
+          tilt_(source.table.number("tilt", any_number).value_or(0)),
+          r_offset_mm_(source.table.number("r_offset_mm", any_number).value_or(0)) {
         read_rest_error(source.table);
         const auto where = source.table.table("where");
         if (!where) source.table.missing("where", "where = {side = \"y-max\"}, for example");
@@ -54,14 +56,17 @@ public:
         const std::vector<Index> nodes = surface_nodes(simulation);
         std::vector<std::optional<SurfaceProfile>> profiles(simulation.states.size());
         const bool is_about_axis = simulation.mesh().formulation == Formulation::axisymmetric;
+        const auto place = [&](double r_mm) {
+            const double r = r_mm - r_offset_mm_;
+            return is_about_axis ? std::abs(r) : r;
+        };
         double farthest_mm = 0;
         for (const double r : r_mm_)
-            farthest_mm = std::max(farthest_mm,
-                                   (is_about_axis ? std::abs(r) : r) * std::max(1.0, 1 / r_scale_));
+            farthest_mm = std::max(farthest_mm, place(r) * std::max(1.0, 1 / r_scale_));
         Eigen::VectorXd rows(block_.num_row());
         for (std::size_t row = 0; row < r_mm_.size(); ++row) {
             const auto [before, after, share] = times_.at(simulation, row, delay_s_);
-            const double r = is_about_axis ? std::abs(r_mm_[row]) : r_mm_[row];
+            const double r = place(r_mm_[row]);
             const auto height = [&](std::size_t k, double at_r) {
                 if (!profiles[k]) profiles[k] = surface_profile(simulation, nodes, k, farthest_mm);
                 return profiles[k]->height.at(at_r) + rest_error_at(profiles[k]->rest_x.at(at_r));
@@ -116,7 +121,7 @@ private:
     bool rest_is_measured_ = false;
     MeasuredTimes times_;
     std::vector<double> r_mm_;
-    double r_scale_ = 1, z_scale_ = 1, delay_s_ = 0, tilt_ = 0;
+    double r_scale_ = 1, z_scale_ = 1, delay_s_ = 0, tilt_ = 0, r_offset_mm_ = 0;
     std::vector<double> error_r_mm_, error_z_mm_;
     Selection surface_;
 };
@@ -126,7 +131,8 @@ private:
 DataKind profile_kind() {
     return {"profile",
             "Height of a surface of a plane or axisymmetric body: columns time_s, r_mm, z_mm",
-            {"where", "sd_mm", "r_scale", "z_scale", "delay_s", "rest", "tilt", "rest_error"},
+            {"where", "sd_mm", "r_scale", "z_scale", "delay_s", "rest", "tilt", "r_offset_mm",
+             "rest_error"},
             [](const DataSource& source) {
                 return std::unique_ptr<MeasuredData>(new ProfileData(source));
             }};

@@ -229,7 +229,8 @@ std::string suction(const std::string& edge) {
            "[[data]]\nkind = \"profile\"\nfile = \"z.csv\"\nsd_mm = 0.02\n"
            "where = {point_array = \"surface\"}\ndelay_s = {value = 0, sd = 0.02}\n"
            "r_scale = {value = 1, sd = 0.005}\nz_scale = {value = 1, sd = 0.005}\n"
-           "tilt = {value = 0, sd = 0.01}\nrest_error = [{r_mm = 1, z_mm = 0}, "
+           "tilt = {value = 0, sd = 0.01}\nr_offset_mm = {value = 0, sd = 0.1}\nrest_error = "
+           "[{r_mm = 1, z_mm = 0}, "
            "{r_mm = 3, z_mm = {value = 0, sd = 0.2}}, {r_mm = 5.2, z_mm = 0}]\n";
 }
 
@@ -270,7 +271,7 @@ TEST_F(ExperimentTest, ColumnsOfAnInstrumentAreThoseOfWholeSimulations) {
     write("z.csv", "time_s,r_mm,z_mm\n1.3,0,1\n2.4,2,1\n3.5,4,1\n");
     const Experiment found = experiment(suction("edge_mm = 5.2"));
     const ExperimentProblem problem(found, [](SimulationSettings&) {}, 2, {});
-    ASSERT_EQ(found.parameters().size(), 10u);
+    ASSERT_EQ(found.parameters().size(), 11u);
 
     const auto centre = checked_columns(found, problem);
     // From the heights that the file has: z_scale z.
@@ -279,6 +280,25 @@ TEST_F(ExperimentTest, ColumnsOfAnInstrumentAreThoseOfWholeSimulations) {
     ASSERT_NE(scale, found.paths().end());
     EXPECT_LT((block.columns.col(scale - found.paths().begin()) - block.predicted).norm(),
               1e-6 * block.predicted.norm());
+}
+
+/// A row at r is of the model's place |r - r_offset_mm|.
+TEST_F(ExperimentTest, AnAxisBesideThatOfTheTableMovesTheProfile) {
+    const auto heights = [&](const std::string& places, const std::string& offset) {
+        write("z.csv", "time_s,r_mm,z_mm\n" + places);
+        std::string text = suction("edge_mm = 5.2");
+        const std::string open = "r_offset_mm = {value = 0, sd = 0.1}";
+        text.replace(text.find(open), open.size(), "r_offset_mm = " + offset);
+        const Experiment found = experiment(text);
+        const ExperimentProblem problem(found, [](SimulationSettings&) {}, 1, {});
+        return problem.predict(starts_of(found.parameters()), PredictedColumns::none, nullptr)
+            .prediction->blocks[0]
+            .predicted;
+    };
+    const Eigen::VectorXd beside = heights("2.4,2.5,1\n2.4,-1.5,1\n2.4,0.5,1\n", "0.5"),
+                          centred = heights("2.4,2,1\n2.4,-2,1\n2.4,0,1\n", "0");
+    EXPECT_LT((beside - centred).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_GT(centred[2] - centred[0], 0.1);
 }
 
 /// What was guessed wrong at a place at rest goes with the tissue there, whatever nodes are near.
