@@ -253,6 +253,9 @@ def test_cropped_timed_and_calibrated_films_give_the_same_profiles(settings, tmp
 
     (tmp_path / "times.csv").write_text("time_s\n0\n0.04\n")
     assert from_pipe(settings, wider, "187x190").returncode == 4  # more frames than times
+    (tmp_path / "times.csv").write_text("time_s\n" + "".join(f"{k / 25}\n" for k in range(9)))
+    finished = from_pipe(settings, wider, "187x190")
+    assert finished.returncode == 4 and b"9 times for 6 frames" in finished.stderr
     settings.write_text(SETTINGS.replace("[frames]", "crop_px = [100, 0, 180, 180]\n[frames]"))
     finished = from_pipe(settings, frames)
     assert finished.returncode == 4 and b"crop_px" in finished.stderr

@@ -62,6 +62,16 @@ void add_frame(FilmOutlines& film, const GreyFrame& frame, const Outline& outlin
     ++film.num_frames;
 }
 
+/// A film that lost frames would be taken for another one.
+void check_number_of_times(const AspirationInstrument& instrument, Index num_frames) {
+    const auto num_times = Index(instrument.frame_time_s.size());
+    if (num_times > 0 && num_times != num_frames)
+        throw Error(ErrorCode::input_unusable,
+                    fmt::format("[frames] times has {} times for {} frames; give a time for each "
+                                "frame, and all frames",
+                                num_times, num_frames));
+}
+
 void refuse_bad_film(const FilmOutlines& film, const AspirationInstrument& instrument) {
     const auto refuse = [](const std::string& why) { throw Error(ErrorCode::input_unusable, why); };
     if (film.num_frames == 0) refuse("there is no frame; give at least one");
@@ -70,10 +80,11 @@ void refuse_bad_film(const FilmOutlines& film, const AspirationInstrument& instr
             "no tissue is seen above the line of visibility in any frame; correct base_row_px, "
             "tissue or the film");
     if (film.num_lost > most_lost_part * film.num_frames)
-        refuse(
-            fmt::format("the outline is lost in {} of {} frames; better light or contrast is "
-                        "needed",
-                        film.num_lost, film.num_frames));
+        refuse(fmt::format(
+            "the outline is lost in {} of {} frames, above row {:.0f}, the line of "
+            "visibility; correct base_row_px ({:g}), rim_thickness_mm or pixel_z_um if "
+            "the rim is not there, or take better light and contrast",
+            film.num_lost, film.num_frames, instrument.visible_row(), instrument.base_row_px));
     const double contrast = (instrument.is_brighter ? 1 : -1) * film.contrast;
     if (contrast < -least_contrast * film.num_compared)
         refuse(
@@ -133,6 +144,7 @@ FilmOutlines follow_film(const OptionValues& values, const AspirationInstrument&
                          const std::function<void(const std::string&)>& write,
                          const ProgressSink& progress) {
     FrameSource source = source_of(values, progress);
+    if (source.num_frames() > 0) check_number_of_times(instrument, source.num_frames());
     FrameTimes times(instrument, source);
     OutlineFinder finder(instrument);
     ProfileWriter writer(instrument, write);
@@ -150,6 +162,7 @@ FilmOutlines follow_film(const OptionValues& values, const AspirationInstrument&
         check_cancelled(progress);
     }
     writer.finish();
+    check_number_of_times(instrument, film.num_frames);
     film.axis = *writer.axis();
     refuse_bad_film(film, instrument);
     return film;
