@@ -91,10 +91,10 @@ Combination combination_of(const std::vector<Parameter>& parameters, const Eigen
     combination.singular_value = sensitivity.singular_values[which];
     Eigen::VectorXd scales(values.size());
     for (Eigen::Index k = 0; k < scales.size(); ++k) scales[k] = scale_of(parameters[k], values[k]);
-    // sum_k d_k (t_k / scale_k), normalised; the sign makes the largest coefficient positive.
-    Eigen::VectorXd a = sensitivity.directions.col(which).cwiseQuotient(scales);
+    // sum_k d_k (t_k / scale_k), normalised so that the largest d_k has the coefficient 1.
     Eigen::Index largest = 0;
-    a.cwiseAbs().maxCoeff(&largest);
+    sensitivity.directions.col(which).cwiseAbs().maxCoeff(&largest);
+    Eigen::VectorXd a = sensitivity.directions.col(which).cwiseQuotient(scales);
     a /= a[largest];
     combination.coefficients = a;
     combination.sd = std::sqrt(a.dot(covariance * a));
