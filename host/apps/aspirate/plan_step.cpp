@@ -16,6 +16,7 @@
 #include "host/apps/identify/identified_tree.hpp"
 #include "host/apps/identify/planned_problem.hpp"
 #include "host/apps/simulate/surface_profile.hpp"
+#include "host/estimate/discretisation.hpp"
 #include "host/io/output_folder.hpp"
 #include "host/page/page.hpp"
 #include "host/page/tree_html.hpp"
@@ -95,23 +96,32 @@ std::string seen_points(const AspirationSettings& settings, const std::string& m
     return text;
 }
 
+/// The supposed tissue has one term: the first number of terms that has any.
+int planned_terms(const AspirationSettings& settings) {
+    const std::vector<int>& terms = settings.relaxation_terms;
+    const auto any = std::find_if(terms.begin(), terms.end(), [](int count) { return count > 0; });
+    return any == terms.end() ? 0 : *any;
+}
+
 std::string plan_page(const IdentifiedExperiment& found, const ResultTree& tree,
                       const std::string& model) {
     std::string figures;
     for (const Picture& picture : identified_pictures(found))
         figures +=
             "<figure>" + picture.html + "<figcaption>" + picture.caption + "</figcaption></figure>";
-    return page_html({.kind = "palpate aspirate plan",
-                      .version = version_text(),
-                      .headline = "What a film of such tissue would tell",
-                      .lead = fmt::format("<p class='summary'>Supposed: {}. Intervals are of the "
-                                          "noise that is told and of what is known with an error; "
-                                          "what no model explains comes on top.</p>",
-                                          model),
-                      .main = tree_sections_html(
-                          tree, section_html("profiles", "Profiles",
-                                             "<div class='figures'>" + figures + "</div>")),
-                      .footer = "All figures: <code>result.json</code>."});
+    return page_html(
+        {.kind = "palpate aspirate plan",
+         .version = version_text(),
+         .headline = "What a film of such tissue would tell",
+         .lead = fmt::format("<p class='summary'>Supposed: {}. Intervals are of the "
+                             "noise that is told, of what is known with an error, and of what "
+                             "fits add for what no residual shows; what the model misses of your "
+                             "tissue comes on top.</p>",
+                             model),
+         .main = tree_sections_html(
+             tree,
+             section_html("profiles", "Profiles", "<div class='figures'>" + figures + "</div>")),
+         .footer = "All figures: <code>result.json</code>."});
 }
 
 }  // namespace
@@ -130,7 +140,7 @@ Outcome run_plan(const OptionValues& values, const ProgressSink& progress) {
     const Suction suction = suction_from(values, settings);
     const SuckedBody body = supposed_body(settings, suction);
     const std::string& law = settings.laws.front();
-    const int num_term = settings.relaxation_terms.front();
+    const int num_term = planned_terms(settings);
     Outcome outcome;
     write_folder_atomically(folder, values.flag("overwrite"), [&](const fs::path& inside) {
         write_text_file(
@@ -148,7 +158,10 @@ Outcome run_plan(const OptionValues& values, const ProgressSink& progress) {
         IdentifiedExperiment found{.experiment = experiment, .is_plan = true};
         found.fit = fit(planned, {}, progress);
         report_progress(progress, "intervals", 0, "");
-        found.identified = identify(planned, found.fit, {}, progress);
+        IdentifyOptions judging;
+        judging.added_sd = model_sds(experiment.parameters());
+        found.identified = identify(planned, found.fit, judging, progress);
+        correct_for_discretisation({}, found.fit, found.identified, judging.added_sd);
         found.num_simulation = problem.num_simulation();
         found.seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -20,6 +20,7 @@
 #include "host/page/tree_json.hpp"
 #include "host/system/exit_codes.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/serial_blas.hpp"
 
 namespace palpate {
 namespace {
@@ -33,7 +34,7 @@ std::string name_of_model(const std::string& law, int num_terms) {
 constexpr double most_left_rest_mm = 0.05;
 /// Of each number of the tissue: what outlines, the guess of the rest and contact at the rim leave
 /// that no residual shows. Of films, those of another solver too (docs/aspiration.md).
-constexpr double model_sd_ln = 0.03, model_sd_ln_of_stiffening = 0.06;
+constexpr double model_sd_ln = 0.02, model_sd_ln_of_stiffening = 0.04;
 /// Of the travel, that a model may leave unexplained: without a word, and at all.
 constexpr double much_unexplained = 0.03, most_unexplained = 0.05;
 constexpr double sd_over_median = 1.4826;
@@ -114,22 +115,12 @@ std::vector<std::string> warnings_of(const IdentifiedExperiment& found, double t
     return warnings;
 }
 
-/// [num_parameter]
-Eigen::VectorXd model_sds(const std::vector<Parameter>& parameters) {
-    Eigen::VectorXd sds = Eigen::VectorXd::Zero(Eigen::Index(parameters.size()));
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-        if (parameters[k].is_nuisance || parameters[k].transform != Transform::log) continue;
-        const std::string& name = parameters[k].name;
-        sds[Eigen::Index(k)] =
-            name == "gamma" || name == "c2_kpa" ? model_sd_ln_of_stiffening : model_sd_ln;
-    }
-    return sds;
-}
-
 /// One law with one number of relaxation terms.
 TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettings& settings,
                    const AspirationFitInput& input, const Suction& suction, const fs::path& inside,
                    const OptionValues& values, const ProgressSink& progress) {
+    const SerialBlas
+        serial;  // its matrices are small; threads of two fits would wait for each other
     const auto begin = std::chrono::steady_clock::now();
     const auto configure = [&](SimulationSettings& model) {
         take_tangent_options(values, model.newton);
@@ -161,6 +152,17 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
 }
 
 }  // namespace
+
+Eigen::VectorXd model_sds(const std::vector<Parameter>& parameters) {
+    Eigen::VectorXd sds = Eigen::VectorXd::Zero(Eigen::Index(parameters.size()));
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+        if (parameters[k].is_nuisance || parameters[k].transform != Transform::log) continue;
+        const std::string& name = parameters[k].name;
+        sds[Eigen::Index(k)] =
+            name == "gamma" || name == "c2_kpa" ? model_sd_ln_of_stiffening : model_sd_ln;
+    }
+    return sds;
+}
 
 Suction suction_from(const OptionValues& values, const AspirationSettings& settings) {
     if (values.is_given("pressure") == settings.suction.has_value())
