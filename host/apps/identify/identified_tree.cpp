@@ -49,7 +49,7 @@ ResultTree parameter_part(const IdentifiedParameter& one, const std::string& pat
                     .title = "Unit"});
     part.add(Figure{.value = one.parameter.is_held
                                  ? "held at what was told; its error is in all intervals"
-                             : one.parameter.is_nuisance ? "known beforehand, with an error"
+                             : one.parameter.is_nuisance ? "expected, with an error"
                              : distrust.empty()          ? why_text(one)
                                                          : distrust,
                     .title = "Why"});
@@ -128,8 +128,8 @@ std::string ending_sentence(const IdentifiedExperiment& found) {
                            found.num_simulation, found.seconds);
     const std::string distrust = found.distrust();
     if (!found.converged()) return distrust;
-    return fmt::format("The search converged after {} steps, {} simulations, {:.1f} s.",
-                       found.fit.num_step, found.num_simulation, found.seconds) +
+    return fmt::format("The search converged, with {} simulations in {:.1f} s.",
+                       found.num_simulation, found.seconds) +
            (distrust.empty() ? "" : " " + distrust);
 }
 
