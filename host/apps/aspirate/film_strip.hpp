@@ -36,7 +36,7 @@ struct FilmLines {
 };
 
 /// Sections of a page: how far the highest point came, and frames with their outlines.
-///   `seconds` and `apex_mm` [frames that were seen]
+///   `seconds` and `apex_mm` [frames that were seen], or empty: only the frames
 std::string film_sections(const FilmStrip& strip, const std::vector<double>& seconds,
                           const std::vector<double>& apex_mm, const FilmLines& lines);
 /// Of these sections.

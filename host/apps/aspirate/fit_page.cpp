@@ -250,9 +250,10 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
     std::string profiles;
     for (const Picture& picture : identified_pictures(*fit.best().found))
         profiles += figure_html(picture.html, picture.caption);
-    const std::string frames = film ? film_sections(film->strip, film->time_s, film->apex_mm,
-                                                    film_lines(*film, fit.settings.instrument))
-                                    : "";
+    // How the highest point travels is what the cycle shows.
+    const std::string frames =
+        film ? film_sections(film->strip, {}, {}, film_lines(*film, fit.settings.instrument)) : "";
+    ;
     return page_html(
         {.kind = film ? "palpate aspirate run" : "palpate aspirate fit",
          .version = version_text(),

@@ -52,7 +52,8 @@ ResultTree tissue_tree(const IdentifiedExperiment& found) {
                       .unit = one.parameter.unit,
                       .title = told->title,
                       .verdict = distrust.empty() ? one.judgement.verdict : Verdict::not_judged,
-                      .reason = distrust.empty() ? one.judgement.reason : distrust};
+                      .reason = distrust.empty() ? one.judgement.reason
+                                                 : "the model is none of this film, see above"};
         if (term > 1) {
             figure.name += fmt::format("_{}", term);
             figure.title += fmt::format(", term {}", term);
