@@ -74,7 +74,8 @@ Eigen::VectorXd draw_from_priors(const std::vector<Parameter>& parameters, std::
 
 /// Where `quadratic_step` leads from a fit, on the parameters' own scales: the end of a search that
 /// stopped before it, without another prediction. The fit's own values where that would gain more
-/// than `most_gain` of ln posterior: so far no quadratic is believed.
+/// than `most_gain` of ln posterior: so far no quadratic is believed. What `FitOptions::held` held
+/// is free here.
 Eigen::VectorXd quadratic_minimum(const std::vector<Parameter>& parameters, const Fit& found,
                                   double most_gain);
 

@@ -107,5 +107,19 @@ TEST_F(MovedRest, ComesDownToTheEndOfTheRimAndNoLower) {
     for (const double z : sucked.rest.z_mm) EXPECT_GE(z, 0);
 }
 
+TEST_F(MovedRest, FallsOutwardsAtMostBy45Degrees) {
+    // up at 4.2 mm and down at 4.7 mm, by more than a tissue can
+    const double moved_mm = move_rest(sucked, {0, 0.4, -0.4});
+    const RestSurface& rest = sucked.rest;
+    for (std::size_t k = 1; k < rest.r_mm.size(); ++k) {
+        if (rest.r_mm[k - 1] <= 3.2) continue;
+        EXPECT_LE(rest.z_mm[k], rest.z_mm[k - 1] + 1e-12);
+        EXPECT_LE(rest.z_mm[k - 1] - rest.z_mm[k], rest.r_mm[k] - rest.r_mm[k - 1] + 1e-12);
+    }
+    EXPECT_GT(moved_mm, 0.05);
+
+    EXPECT_NEAR(move_rest(sucked, {0, 0, 0}), 0, 1e-12);  // it is so already
+}
+
 }  // namespace
 }  // namespace palpate

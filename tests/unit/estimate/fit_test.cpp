@@ -177,6 +177,11 @@ TEST(Fit, AStartWithoutPredictionIsReplacedAndNoneIsAnError) {
     EXPECT_EQ(found.start_note, "the priors' medians");
     EXPECT_NEAR(found.values[0], 1.2, 0.01);
 
+    // An earlier prediction is nearer than the medians.
+    FitOptions options = without_discrepancy();
+    options.warm = found.prediction;
+    EXPECT_EQ(fit(problem, options).start_note, "that of an earlier prediction");
+
     problem.fails = [](const Eigen::VectorXd&) { return true; };
     try {
         fit(problem, without_discrepancy());
