@@ -111,8 +111,8 @@ std::string film_sections(const FilmStrip& strip, const std::vector<double>& sec
                   {0, std::max(1e-3, seconds.back()), false, "time of the film, s"},
                   {*low - edge, *high + edge, false, "highest point, mm above the rim's face"});
         plot.curve(seconds, apex_mm, "var(--accent)", false);
-        curve = "<figure style='max-width:44rem'>" +
-                plot.svg("Highest point of the tissue over time") + "</figure>";
+        curve = "<div class='figures'><figure>" +
+                plot.svg("Highest point of the tissue over time") + "</figure></div>";
     }
     return section_html("apex", "Travel", curve) +
            section_html("frames", "Frames",

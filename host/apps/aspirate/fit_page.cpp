@@ -253,7 +253,6 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
     // How the highest point travels is what the cycle shows.
     const std::string frames =
         film ? film_sections(film->strip, {}, {}, film_lines(*film, fit.settings.instrument)) : "";
-    ;
     return page_html(
         {.kind = film ? "palpate aspirate run" : "palpate aspirate fit",
          .version = version_text(),

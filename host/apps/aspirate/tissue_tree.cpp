@@ -47,13 +47,13 @@ ResultTree tissue_tree(const IdentifiedExperiment& found) {
         const Told* told = one.parameter.is_nuisance ? nullptr : told_of(one.parameter.name);
         if (!told) continue;
         const int term = ++count[told->name];  // of the relaxation, where there are several
-        Figure figure{.name = told->name,
-                      .value = told->factor * one.value,
-                      .unit = one.parameter.unit,
-                      .title = told->title,
-                      .verdict = distrust.empty() ? one.judgement.verdict : Verdict::not_judged,
-                      .reason = distrust.empty() ? one.judgement.reason
-                                                 : "the model is none of this film, see above"};
+        Figure figure{
+            .name = told->name,
+            .value = told->factor * one.value,
+            .unit = one.parameter.unit,
+            .title = told->title,
+            .verdict = distrust.empty() ? one.judgement.verdict : Verdict::not_judged,
+            .reason = distrust.empty() ? one.judgement.reason : "the model is none of this film"};
         if (term > 1) {
             figure.name += fmt::format("_{}", term);
             figure.title += fmt::format(", term {}", term);
