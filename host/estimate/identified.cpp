@@ -113,26 +113,43 @@ TransformedInterval quadratic_interval(double centre, double half_width) {
     return {{centre - half_width, centre + half_width}, false, {false, false}, {0, 0}};
 }
 
+/// Each parameter's, `reach` [num_parameter] sd to either side. Profiles know what is held, and are
+/// followed for what is asked for alone.
+std::vector<TransformedInterval> intervals_of(const std::vector<Parameter>& parameters,
+                                              const Fit& fit, const Eigen::VectorXd& sd,
+                                              const Eigen::VectorXd& known_sd,
+                                              const Eigen::VectorXd& reach, ProfileSearch& profiles,
+                                              const IdentifyOptions& options) {
+    std::vector<TransformedInterval> intervals;
+    std::vector<WantedInterval> wanted;
+    for (Index k = 0; k < sd.size(); ++k) {
+        intervals.push_back(quadratic_interval(fit.transformed[k], reach[k] * sd[k]));
+        const bool is_narrow = options.added_sd.size() > 0 && sd[k] < options.added_sd[k];
+        if (is_narrow)
+            intervals.back().rise = {0.5 * reach[k] * reach[k], 0.5 * reach[k] * reach[k]};
+        else if (!parameters[k].is_nuisance)
+            wanted.push_back({k, reach[k]});
+    }
+    const auto profiled = profiles.intervals(wanted, options.skewness_tolerance, options.jobs);
+    for (std::size_t n = 0; n < wanted.size(); ++n) {
+        const Index k = wanted[n].parameter;
+        intervals[k] = profiled[n];
+        for (double& end : intervals[k].ends)
+            end = fit.transformed[k] + (end - fit.transformed[k]) * sd[k] / known_sd[k];
+    }
+    return intervals;
+}
+
 IdentifiedParameter identify_parameter(const std::vector<Parameter>& parameters, const Fit& fit,
-                                       const Identified& all, double degrees, double known_sd,
-                                       ProfileSearch& profiles, Index k,
-                                       const IdentifyOptions& options) {
+                                       const Identified& all, double degrees,
+                                       const TransformedInterval& interval, ProfileSearch& profiles,
+                                       Index k, const IdentifyOptions& options) {
     IdentifiedParameter found;
     found.parameter = parameters[k];
     found.value = fit.values[k];
     found.sd = std::sqrt(all.covariance(k, k));
     find_partner(all.correlation, k, found);
     found.degrees_of_freedom = degrees;
-    const double reach = student_reach(degrees);
-    const bool is_narrow = options.added_sd.size() > 0 && found.sd < options.added_sd[k];
-    TransformedInterval interval = found.parameter.is_nuisance || is_narrow
-                                       ? quadratic_interval(fit.transformed[k], reach * found.sd)
-                                       : profiles.interval(k, reach, options.skewness_tolerance);
-    if (is_narrow) interval.rise = {0.5 * reach * reach, 0.5 * reach * reach};
-    if (!found.parameter.is_nuisance && !is_narrow)
-        // profiles know what is held
-        for (double& end : interval.ends)
-            end = fit.transformed[k] + (end - fit.transformed[k]) * found.sd / known_sd;
     found.is_profiled = interval.is_profiled;
     found.is_cut = interval.is_cut;
     for (const int side : {0, 1})
@@ -247,12 +264,12 @@ Identified identify(const DataProblem& problem, const Fit& fit, const IdentifyOp
     const Eigen::MatrixXd known = with_held_known(parameters, all.covariance);
     const Eigen::VectorXd known_sd = known.diagonal().cwiseMax(0.0).cwiseSqrt();
     ProfileSearch profiles(problem, fit, known, options.gauss_newton, progress);
-    for (Index k = 0; k < count; ++k) {
-        report_progress(progress, "intervals", static_cast<double>(k) / count,
-                        label_of(parameters[k]));
-        all.parameters.push_back(identify_parameter(parameters, fit, all, degrees[k], known_sd[k],
+    const auto intervals = intervals_of(
+        parameters, fit, all.covariance.diagonal().cwiseSqrt(), known_sd,
+        degrees.unaryExpr([](double of) { return student_reach(of); }), profiles, options);
+    for (Index k = 0; k < count; ++k)
+        all.parameters.push_back(identify_parameter(parameters, fit, all, degrees[k], intervals[k],
                                                     profiles, k, options));
-    }
     for (Index b = 0; b < fit.noise->num_block(); ++b)
         all.blocks.push_back(block_fit(fit.prediction->blocks[b], *fit.noise, b));
     weigh_model(fit, curvature, known_sd, all);

@@ -23,6 +23,7 @@ struct IdentifyOptions {
     /// [num_parameter] or empty: what will be added to the intervals, on the transformed scales.
     /// One whose own sd is smaller stays quadratic: how skew it is would not be seen.
     Eigen::VectorXd added_sd = {};
+    int jobs = 1;  ///< ends of profiles that are looked for at the same time
 };
 
 /// One parameter after a fit.

@@ -9,6 +9,7 @@
 
 #include "host/estimate/posterior.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/tasks.hpp"
 
 namespace palpate {
 namespace {
@@ -40,7 +41,11 @@ ProfileSearch::ProfileSearch(const DataProblem& problem, const Fit& fit,
       fit_(fit),
       covariance_(covariance),
       options_(loosened(options)),
-      progress_(progress),
+      progress_([this, &progress](const Progress& news) {
+          if (news.stage.empty()) return check_cancelled(progress);
+          const std::lock_guard guard(reporting_);
+          report_progress(progress, news.stage, news.fraction, news.message);
+      }),
       range_(range_of(parameters_)),
       priors_(priors_of(parameters_)),
       lowest_(minus_log_posterior(parameters_, *fit.prediction, *fit.noise)) {}
@@ -152,29 +157,53 @@ double ProfileSearch::profile_end(Index k, double reach, double direction, Point
     return is_bracketed ? 0.5 * (inside.transformed[k] + outside) : last;
 }
 
-TransformedInterval ProfileSearch::interval(Index k, double reach, double tolerance) {
-    const double quadratic_rise = 0.5 * reach * reach;
-    const Point centre{0, fit_.transformed, fit_.prediction};
-    TransformedInterval interval;
-    std::array<Point, 2> first;
-    for (const int side : {0, 1}) {
-        const double direction = side == 0 ? -1.0 : 1.0, last = farthest(k, direction);
-        double t = fit_.transformed[k] + direction * reach * std::sqrt(covariance_(k, k));
-        interval.ends[side] = t;
-        t = direction < 0 ? std::max(t, last) : std::min(t, last);
-        first[side] = profile_at(k, t, centre);
-        const double rise = 0.5 * first[side].z * first[side].z;
-        if (t != interval.ends[side] ||
-            !(std::abs(rise - quadratic_rise) <= tolerance * quadratic_rise))
-            interval.is_profiled = true;
-        interval.rise[side] = rise;
+/// The profile at the end of the quadratic interval, or at the last place that is looked at.
+ProfileSearch::Point ProfileSearch::quadratic_end(const WantedInterval& wanted, int side) {
+    const Index k = wanted.parameter;
+    const double direction = side == 0 ? -1.0 : 1.0, last = farthest(k, direction);
+    const double t = fit_.transformed[k] + direction * wanted.reach * std::sqrt(covariance_(k, k));
+    return profile_at(k, direction < 0 ? std::max(t, last) : std::min(t, last),
+                      {0, fit_.transformed, fit_.prediction});
+}
+
+std::vector<TransformedInterval> ProfileSearch::intervals(const std::vector<WantedInterval>& wanted,
+                                                          double tolerance, int jobs) {
+    constexpr std::size_t sides = 2;
+    std::vector<std::array<Point, sides>> ends(wanted.size());
+    run_tasks(sides * wanted.size(), jobs, [&](std::size_t task) {
+        const std::size_t n = task / sides;
+        report_progress(progress_, "intervals", double(task) / double(2 * sides * wanted.size()),
+                        label_of(parameters_[std::size_t(wanted[n].parameter)]));
+        ends[n][task % sides] = quadratic_end(wanted[n], int(task % sides));
+    });
+    std::vector<TransformedInterval> intervals(wanted.size());
+    for (std::size_t n = 0; n < wanted.size(); ++n) {
+        const auto [k, reach] = wanted[n];
+        const double quadratic_rise = 0.5 * reach * reach;
+        TransformedInterval& interval = intervals[n];
+        for (const std::size_t side : {0, 1}) {
+            const double rise = 0.5 * ends[n][side].z * ends[n][side].z;
+            interval.rise[side] = rise;
+            interval.ends[side] = fit_.transformed[k] +
+                                  (side == 0 ? -1.0 : 1.0) * reach * std::sqrt(covariance_(k, k));
+            if (ends[n][side].transformed[k] != interval.ends[side] ||
+                !(std::abs(rise - quadratic_rise) <= tolerance * quadratic_rise))
+                interval.is_profiled = true;
+        }
+        if (interval.is_profiled) interval.rise = {quadratic_rise, quadratic_rise};
     }
-    if (!interval.is_profiled) return interval;
-    interval.rise = {quadratic_rise, quadratic_rise};
-    for (const int side : {0, 1})
-        interval.ends[side] = profile_end(k, reach, side == 0 ? -1.0 : 1.0, std::move(first[side]),
-                                          interval.is_cut[side]);
-    return interval;
+    run_tasks(sides * wanted.size(), jobs, [&](std::size_t task) {
+        const std::size_t n = task / sides, side = task % sides;
+        TransformedInterval& interval = intervals[n];
+        if (!interval.is_profiled) return;
+        const auto [k, reach] = wanted[n];
+        report_progress(progress_, "intervals",
+                        0.5 + double(task) / double(2 * sides * wanted.size()),
+                        label_of(parameters_[std::size_t(k)]));
+        interval.ends[side] = profile_end(k, reach, side == 0 ? -1.0 : 1.0,
+                                          std::move(ends[n][side]), interval.is_cut[side]);
+    });
+    return intervals;
 }
 
 /// What the prior of k adds to the rise of F at t.

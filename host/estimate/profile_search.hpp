@@ -4,7 +4,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <atomic>
 #include <memory>
+#include <mutex>
+#include <vector>
 
 #include "host/estimate/fit.hpp"
 #include "solver/base/log.hpp"
@@ -21,22 +24,29 @@ struct TransformedInterval {
     std::array<double, 2> rise{0, 0};  ///< of F at the ends, as found; 0: not looked at
 };
 
+/// A parameter whose interval is wanted, so many sd to either side (1.96 for 95 %).
+struct WantedInterval {
+    Index parameter;
+    double reach;
+};
+
 /// Minus the log posterior around a fit, its discrepancies held.
 class ProfileSearch {
 public:
     ProfileSearch(const DataProblem& problem, const Fit& fit, const Eigen::MatrixXd& covariance,
                   const GaussNewtonOptions& options, const ProgressSink& progress);
 
-    /// The interval of parameter k, `reach` sd to either side (1.96 for 95 %): quadratic if there,
-    /// the others searched anew, F has risen by reach^2 / 2 up to the share `tolerance`; else where
-    /// it has risen by that.
-    TransformedInterval interval(Index k, double reach, double tolerance);
+    /// The intervals: quadratic if at both ends, the others searched anew, F has risen by
+    /// reach^2 / 2 up to the share `tolerance`; else where it has risen by that. Ends are looked
+    /// for by `jobs` at a time, and are the same for any number of them.
+    std::vector<TransformedInterval> intervals(const std::vector<WantedInterval>& wanted,
+                                               double tolerance, int jobs);
 
     /// Whether the data without the prior of k exclude its lowest and its highest value: their
     /// ends, or 4 sd of the prior; as `excluded_ends` of posterior.hpp. True where there is no end
     /// at all.
-    /// `interval` is that of `interval(k, ..)`: what it excludes by the data alone is not predicted
-    /// again, as if F did not fall farther out.
+    /// `interval` is that of k from `intervals`: what it excludes by the data alone is not
+    /// predicted again, as if F did not fall farther out.
     std::array<bool, 2> excluded_ends(Index k, const TransformedInterval& interval);
 
     int num_prediction() const { return num_prediction_; }
@@ -51,6 +61,7 @@ private:
     Eigen::VectorXd within(Eigen::VectorXd transformed) const;
     double rise_at(const Eigen::VectorXd& transformed);
     Point profile_at(Index k, double t, const Point& nearest);
+    Point quadratic_end(const WantedInterval& wanted, int side);
     double profile_end(Index k, double reach, double direction, Point first, bool& is_cut);
     double farthest(Index k, double direction) const;
     bool is_excluded_within(Index k, const TransformedInterval& interval, int side) const;
@@ -62,11 +73,12 @@ private:
     const Fit& fit_;
     const Eigen::MatrixXd& covariance_;
     GaussNewtonOptions options_;
-    const ProgressSink& progress_;
+    std::mutex reporting_;
+    ProgressSink progress_;  ///< from any thread
     TransformedRange range_;
     TransformedPriors priors_;
     double lowest_ = 0;
-    int num_prediction_ = 0;
+    std::atomic<int> num_prediction_ = 0;
 };
 
 }  // namespace palpate

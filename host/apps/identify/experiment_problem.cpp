@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <thread>
 #include <utility>
 
 #include "host/apps/identify/path_direction.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/serial_blas.hpp"
+#include "solver/base/tasks.hpp"
 
 namespace palpate {
 namespace {
@@ -219,25 +218,8 @@ void ExperimentProblem::add_columns(ExperimentPrediction& prediction) const {
     const std::size_t count = parameters().size();
     for (DataBlock& block : prediction.blocks)
         block.columns.setZero(block.num_row(), Eigen::Index(count));
-    std::atomic<std::size_t> next = 0;
-    std::vector<std::exception_ptr> errors(count);
-    const auto work = [&] {
-        for (std::size_t k = next++; k < count; k = next++) {
-            try {
-                set_column(prediction, k);
-            } catch (...) {
-                errors[k] = std::current_exception();
-            }
-        }
-    };
-    {
-        const SerialBlas serial;
-        std::vector<std::jthread> threads;
-        for (int t = 1; t < std::min<int>(jobs_, int(count)); ++t) threads.emplace_back(work);
-        work();
-    }
-    for (const std::exception_ptr& error : errors)
-        if (error) std::rethrow_exception(error);
+    const SerialBlas serial;
+    run_tasks(count, jobs_, [&](std::size_t k) { set_column(prediction, k); });
 }
 
 }  // namespace palpate

@@ -132,7 +132,9 @@ Outcome run_identify(const OptionValues& values, const ProgressSink& progress) {
     const DataProblem& problem = planned ? static_cast<const DataProblem&>(*planned) : measured;
     search(problem, values, found, progress);
     report_progress(progress, "intervals", 0, "");
-    found.identified = identify(problem, found.fit, {}, progress);
+    IdentifyOptions judging;
+    judging.jobs = jobs_of(values);
+    found.identified = identify(problem, found.fit, judging, progress);
     found.num_simulation = measured.num_simulation();
     if (!found.is_plan && experiment.has_model() && values.text("mesh_check") == "on")
         check_mesh(configured, found, progress);
