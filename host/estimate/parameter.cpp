@@ -85,6 +85,7 @@ const char* name_of(Transform transform) {
 }
 
 std::string label_of(const Parameter& parameter) {
+    if (!parameter.words.empty()) return parameter.words;
     if (parameter.object.empty()) return parameter.name;
     return fmt::format("{} of {}", parameter.name, parameter.object);
 }

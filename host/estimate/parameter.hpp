@@ -43,11 +43,12 @@ struct Parameter {
     /// It stays at its median, whatever the data say, and what its prior leaves unknown of it joins
     /// what is unknown of the others (`normal_equations`).
     bool is_held = false;
+    std::string words = {};  ///< what people call it; empty: as `label_of` puts it together
 
     bool has_prior() const { return sd < std::numeric_limits<double>::infinity(); }
 };
 
-/// "c1_kpa of liver", or the name alone where there is no object.
+/// Its words, or else "c1_kpa of liver", or the name alone where there is no object.
 std::string label_of(const Parameter& parameter);
 
 /// t of a value. Throws Error(invalid_argument), naming parameter, value and range, where the value

@@ -78,6 +78,10 @@ ExperimentSetup Experiment::read_with(const OpenNumbers& open_numbers) const {
     return setup;
 }
 
+void Experiment::set_words(const std::function<std::string(const std::string& path)>& words_of) {
+    for (std::size_t k = 0; k < parameters_.size(); ++k) parameters_[k].words = words_of(paths_[k]);
+}
+
 std::uint64_t Experiment::fingerprint() const {
     std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
     const auto add = [&](const void* bytes, std::size_t count) {

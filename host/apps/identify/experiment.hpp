@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -35,6 +36,9 @@ public:
     /// `folder`: that relative file names start from.
     static Experiment parse(const std::string& toml, const std::string& source_name,
                             const std::filesystem::path& folder);
+
+    /// What people call each number, from its path; empty where nothing better is known.
+    void set_words(const std::function<std::string(const std::string& path)>& words_of);
 
     const std::string& title() const { return title_; }
     bool has_model() const { return has_model_; }  ///< that `simulate` could run

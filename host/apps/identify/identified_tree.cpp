@@ -10,6 +10,7 @@
 #include "host/page/numbers.hpp"
 #include "host/page/plain_text.hpp"
 #include "host/page/tree_table.hpp"
+#include "host/system/version.hpp"
 
 namespace palpate {
 namespace {
@@ -35,7 +36,10 @@ ResultTree parameter_part(const IdentifiedParameter& one, const std::string& pat
                           const std::vector<IdentifiedParameter>& all,
                           const std::string& distrust) {
     ResultTree part{.name = path};
-    part.add(Figure{.name = "path", .value = path, .title = "Number"});
+    part.add("path", path);
+    part.add(Figure{.name = "number",
+                    .value = one.parameter.words.empty() ? path : one.parameter.words,
+                    .title = "Number"});
     Figure value{.name = "value", .value = one.value, .title = "Value"};
     value.interval_95 = one.interval;
     value.interval_name = "interval_95";
@@ -147,6 +151,8 @@ ResultTree identified_tree(const IdentifiedExperiment& found) {
     ResultTree tree{
         .name = "identify",
         .title = found.experiment.title().empty() ? "Identified tissue" : found.experiment.title()};
+    tree.add("program", "palpate");
+    tree.add("version", version_text());
     tree.add(parameters_tree(found));
     tree.add(blocks_tree(found));
     ResultTree knowledge{.name = "combinations", .title = "Which combinations are known"};
@@ -187,7 +193,7 @@ ResultTree identified_tree(const IdentifiedExperiment& found) {
 }
 
 std::string identified_text(const IdentifiedExperiment& found) {
-    std::string out = table_of(parameters_tree(found), {"path", "value", "unit"}, "-").text();
+    std::string out = table_of(parameters_tree(found), {"number", "value", "unit"}, "-").text();
     if (!found.is_plan)
         out += '\n' + table_of(blocks_tree(found),
                                {"name", "kind", "rows", "noise_sd", "rms", "discrepancy", "unit",
