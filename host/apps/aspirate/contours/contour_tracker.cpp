@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host/apps/aspirate/contours/edge_fit.hpp"
+#include "host/apps/aspirate/contours/outline_islands.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -22,8 +23,7 @@ constexpr float full_part = 0.25;  // of the tissue's contrast earns the full re
 constexpr float bend_weight = 1.2F, bend_curvature = 1.5F;
 constexpr float most_spread = 0.4F;   // of the tissue's light, as a part of it
 constexpr float darkest_part = 0.5F;  // of the tissue's median light
-constexpr float slope_share = 0.5F;
-constexpr float guess_weight = 0.1F;
+constexpr float slope_share = 0.5F, guess_weight = 0.1F;
 constexpr float jump_weight = 0.4F;    // per row from where the frame before lets expect it
 constexpr float most_jump = 12;        // rows
 constexpr Index step_rows = 5;         // that the means of a step are taken of
@@ -428,6 +428,7 @@ void ContourTracker::judge() {
             outline_[x].row = leaves ? shape_.row(x) : joined_row_[x];
         }
     }
+    flag_islands(outline_);
 }
 
 void ContourTracker::remember() {
@@ -439,9 +440,8 @@ void ContourTracker::remember() {
                                             0.5F * std::clamp(row - last_row_[x], -4.0F, 4.0F)
                                       : 0;
         last_row_[x] = row;
-        const bool is_sure =
-            outline_[x].flag == PointFlag::ok || outline_[x].flag == PointFlag::hidden;
-        top_[x] = std::min(row, float(visible_row(x))) - (is_sure ? 5.0F : 10.0F);
+        top_[x] =
+            std::min(row, float(visible_row(x))) - (is_doubted(outline_[x].flag) ? 10.0F : 5.0F);
     }
     still_.learn(smooth_, top_);
     has_last_ = true;

@@ -23,6 +23,11 @@ enum class PointFlag : std::uint8_t {
     lost,     ///< nothing in the column tells tissue from what is behind it
 };
 
+/// Whether a column shows tissue, but not surely where.
+inline bool is_doubted(PointFlag flag) {
+    return flag == PointFlag::guessed || flag == PointFlag::lost;
+}
+
 struct OutlinePoint {
     double row = 0;  ///< of the tissue's edge, pixels; a pixel's centre is a whole number
     double sd = 0;   ///< standard deviation, pixels

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The palpate developers
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "host/apps/aspirate/contours/outline_islands.hpp"
+
+namespace palpate {
+namespace {
+
+/// A letter for each column: o ok, g guessed, h hidden, l lost; an outline is 180 columns wide.
+Outline outline_of(const std::string& letters) {
+    Outline outline(180, {10, 0.1, PointFlag::ok});
+    for (std::size_t k = 0; k < letters.size(); ++k) {
+        outline[k].flag = letters[k] == 'o'   ? PointFlag::ok
+                          : letters[k] == 'g' ? PointFlag::guessed
+                          : letters[k] == 'h' ? PointFlag::hidden
+                                              : PointFlag::lost;
+        outline[k].sd = letters[k] == 'o' ? 0.1 : 2.0;
+    }
+    return outline;
+}
+
+std::string flagged(const std::string& letters) {
+    Outline outline = outline_of(letters);
+    flag_islands(outline);
+    std::string after;
+    for (std::size_t k = 0; k < letters.size(); ++k) after += "oghl"[int(outline[k].flag)];
+    return after;
+}
+
+TEST(OutlineIslands, AreDoubtedAsWhatSurroundsThem) {
+    EXPECT_EQ(flagged("ooooogggooggggooooo"), "ooooogggggggggooooo");
+    EXPECT_EQ(flagged("hhggoogggggooooo"), "hhgggggggggooooo");
+    EXPECT_EQ(flagged("ooooollloogggooooo"), "ooooolllgggggooooo");
+}
+
+TEST(OutlineIslands, HaveTheErrorOfTheirNeighbours) {
+    Outline outline = outline_of("ooooogggooggggooooo");
+    flag_islands(outline);
+    EXPECT_EQ(outline[8].sd, 2.0);
+    EXPECT_EQ(outline[4].sd, 0.1);
+}
+
+TEST(OutlineIslands, AreNoneWhereMoreAgreeThanDisagree) {
+    for (const std::string letters : {"ooooogggooooogggooooo",  // too wide
+                                      "oooooggooggooooo",       // hardly anything beside it
+                                      "hhhooggggooooo",         // an edge of what is hidden
+                                      "oooooooo"})
+        EXPECT_EQ(flagged(letters), letters);
+}
+
+}  // namespace
+}  // namespace palpate
