@@ -44,7 +44,7 @@ suction_mbar = [0, 50, 0]
 depth_mm = 16.0
 laws = ["veronda-westmann", "reduced-polynomial"]
 relaxation_terms = [0, 1]
-kappa_over_shear = 500
+kappa_over_young = 500
 friction = "unknown"
 steps = 32
 [supposed]

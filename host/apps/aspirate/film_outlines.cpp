@@ -211,7 +211,7 @@ ResultTree outlines_tree(const FilmOutlines& film, const AspirationInstrument& i
     tree.add({.name = "asymmetry_mm",
               .value = film.axis.asymmetry * instrument.pixel_z_um / 1000,
               .unit = "mm",
-              .title = "Asymmetry",
+              .title = "Asymmetry of the outlines",
               .decimals = 3});
     const auto [low, high] = std::minmax_element(film.apex_mm.begin(), film.apex_mm.end());
     tree.add({.name = "travel_mm",

@@ -17,7 +17,7 @@ namespace {
 constexpr double bin_mm = 0.5;
 constexpr double apex_half_mm = 0.75;  // of the axis: what the highest part is
 constexpr double above_rim_mm = 0.12;  // points nearer to the line of visibility are left out
-constexpr Index least_in_bin = 4, least_frames = 8;
+constexpr Index least_in_bin = 4, least_frames = 8, least_at_r = 4;
 constexpr double most_side_difference_mm = 0.3, least_travel_mm = 0.05;
 constexpr double begin_tolerance_s = 1e-6, rest_part = 0.03;
 constexpr double long_gap = 5;            // times the usual distance
@@ -177,6 +177,16 @@ void take_rest(const std::vector<FrameProfile>& frames, double lowest_mm, int bi
     }
 }
 
+/// The largest r at which enough rows are: a bubble here or there is no tissue.
+double farthest_seen_mm(const std::vector<ThinPoint>& points, int bins) {
+    for (int k = bins; k > 0; --k)
+        if (std::count_if(points.begin(), points.end(), [&](const ThinPoint& point) {
+                return std::abs(std::abs(point.r_mm) - k * bin_mm) < 1e-9;
+            }) >= least_at_r)
+            return k * bin_mm;
+    return 0;
+}
+
 void take_points(const ProfileSeries& profiles, const std::vector<FrameProfile>& at_rest,
                  const AspirationSettings& settings, AspirationFitInput& input) {
     const double lowest_mm = settings.instrument.rim_thickness_mm + above_rim_mm;
@@ -200,6 +210,7 @@ void take_points(const ProfileSeries& profiles, const std::vector<FrameProfile>&
             fmt::format("only {} of {} frames show tissue above the line of visibility while it "
                         "is sucked; at least {} are needed",
                         input.num_used_frames, frames.size(), least_frames));
+    input.seen_later_to_mm = farthest_seen_mm(input.points, bins);
     input.asymmetry_mm = asymmetry_of(input.points);
     if (input.asymmetry_mm > most_side_difference_mm)
         refuse(
@@ -256,6 +267,11 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
             "frames are from {:g} to {:g} s; correct the times of the frames, or delay_s",
             input.begin_s, suction.end_s(), profiles.empty() ? 0 : profiles.front().time_s,
             profiles.empty() ? 0 : profiles.back().time_s));
+    if (suction.peak_kpa() < weak_suction_kpa)
+        input.warnings.push_back(
+            fmt::format("the largest suction is only {:.3g} mbar ({:.3g} kPa); check the unit of "
+                        "its column",
+                        suction.peak_kpa() / kpa_per_mbar, suction.peak_kpa()));
     if (within.size() < profiles.size())
         input.warnings.push_back(
             fmt::format("{} frames are from after the last reading of suction "
@@ -263,11 +279,6 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
                         profiles.size() - within.size()));
     warn_of_gaps(times, "frames", input.warnings);
     warn_of_gaps(suction.time_s, "readings of suction", input.warnings);
-    if (suction.peak_kpa() < weak_suction_kpa)
-        input.warnings.push_back(
-            fmt::format("the largest suction is only {:.3g} mbar ({:.3g} kPa); check the unit of "
-                        "its column",
-                        suction.peak_kpa() / kpa_per_mbar, suction.peak_kpa()));
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
     const std::vector<FrameProfile> at_rest =
         frames_at_rest(within, suction, input.begin_s, delay_s);

@@ -37,6 +37,7 @@ struct AspirationFitInput {
     TissueStart start;
     Index num_frames = 0, num_used_frames = 0;
     double asymmetry_mm = 0, flagged_percent = 0;
+    double seen_later_to_mm = 0;  ///< r of the farthest points while tissue is sucked
     std::vector<std::string> warnings;
 
     std::string points_csv() const;

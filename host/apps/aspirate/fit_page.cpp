@@ -190,7 +190,7 @@ ResultTree fit_tree(const AspirationFit& fit) {
     seen.add(Figure{.name = "asymmetry_mm",
                     .value = fit.input.asymmetry_mm,
                     .unit = "mm",
-                    .title = "Asymmetry",
+                    .title = "Asymmetry of what is fitted",
                     .decimals = 3});
     seen.add(Figure{.name = "travel_mm",
                     .value = *std::max_element(fit.input.apex.travel_mm.begin(),
@@ -206,6 +206,7 @@ ResultTree fit_tree(const AspirationFit& fit) {
                     .unit = "mbar",
                     .title = "Largest suction, in mbar"});
     seen.add("warnings", fit.warnings());
+    seen.add("settings", fit.settings.text);
     tree.add(std::move(seen));
     ResultTree models{.name = "models",
                       .title = fit.models.size() > 1 ? "Laws that were tried" : "",

@@ -54,6 +54,7 @@ SuckedBody supposed_body(const AspirationSettings& settings, const Suction& suct
     const double lowest_mm = settings.instrument.rim_thickness_mm + above_line_mm;
     for (std::size_t k = 0; k < body.rest.r_mm.size(); ++k)
         if (body.rest.z_mm[k] > lowest_mm) body.seen_to_mm = body.rest.r_mm[k];
+    body.seen_later_to_mm = radius_mm - point_step_mm;
     body.steps = suction_steps(suction, suction.end_s(), settings.steps);
     body.start = {tissue.mu_kpa, tissue.gamma, tissue.amplitude, tissue.relaxation_s,
                   stiffness_at_peak(tissue, suction.peak_kpa(), radius_mm)};
@@ -149,7 +150,7 @@ Outcome run_plan(const OptionValues& values, const ProgressSink& progress) {
                         values, progress));
         const std::string text = experiment_text(settings, body, suction, law, num_term);
         write_text_file(inside / "experiment.toml", text);
-        const Experiment experiment = Experiment::parse(text, "the supposed aspiration", inside);
+        const Experiment experiment = tissue_experiment(text, inside);
         const ExperimentProblem problem(
             experiment,
             [&](SimulationSettings& model) { take_tangent_options(values, model.newton); },
@@ -159,6 +160,7 @@ Outcome run_plan(const OptionValues& values, const ProgressSink& progress) {
         found.fit = fit(planned, {}, progress);
         report_progress(progress, "intervals", 0, "");
         IdentifyOptions judging;
+        judging.jobs = jobs_of(values);
         judging.added_sd = model_sds(experiment.parameters());
         found.identified = identify(planned, found.fit, judging, progress);
         correct_for_discretisation({}, found.fit, found.identified, judging.added_sd);

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <regex>
 
 #include "host/apps/aspirate/model/aspiration_model.hpp"
 
@@ -16,22 +18,25 @@ namespace {
 // much that gamma comes out 2 to 4 % too high (docs/aspiration.md).
 constexpr double contact_factor = 3000;
 
-constexpr int hidden_places = 3;         // at which the hidden part of the rest may be wrong
-constexpr double unseen_sd_mm = 0.6;     // of it where nothing is seen at rest
-constexpr double hidden_sd_mm = 0.2;     // of it
-constexpr double least_hidden_mm = 0.3;  // of r: less is not worth a number
-constexpr double tilt_sd = 0.01;         // of the camera about its axis, rad
+constexpr int most_hidden_places = 3;      // at which the hidden part of the rest may be wrong
+constexpr double between_places_mm = 0.3;  // at least
+constexpr double unseen_sd_mm = 0.6;       // of it where nothing is seen at rest
+constexpr double hidden_sd_mm = 0.2;       // of it
+constexpr double tilt_sd = 0.01;           // of the camera about its axis, rad
 // Of the axis: half a pixel where its column is told, else as the outlines' symmetry tells it.
 constexpr double told_axis_sd_px = 0.5, found_axis_sd_mm = 0.1;
 
-/// Where the surface at rest may be off: between the last that was seen and the rim, and at neither
-/// of them; if nothing was seen, on the axis, too. Empty if hardly anything is hidden.
+/// Where the surface at rest may be off: between the last that was seen of it and the farthest that
+/// is seen later; if nothing was seen, on the axis, too. Farther out only what is nearer tells, as
+/// with a lever: a place there would take up what the model has wrong by a micrometre as a
+/// millimetre. Empty if hardly anything comes out from behind the rim.
 std::vector<double> hidden_places_of(const SuckedBody& sucked) {
-    const double end_mm = sucked.rest.r_mm.back(), hidden_mm = end_mm - sucked.seen_to_mm;
+    const double hidden_mm = sucked.seen_later_to_mm - sucked.seen_to_mm;
     std::vector<double> places;
-    if (hidden_mm < least_hidden_mm) return places;
-    for (int k = sucked.seen_to_mm > 0 ? 1 : 0; k <= hidden_places; ++k)
-        places.push_back(sucked.seen_to_mm + hidden_mm * k / (hidden_places + 1));
+    const int count = std::min(most_hidden_places, int(hidden_mm / between_places_mm));
+    if (count < 1) return places;
+    for (int k = sucked.seen_to_mm > 0 ? 1 : 0; k <= count; ++k)
+        places.push_back(sucked.seen_to_mm + hidden_mm * k / count);
     return places;
 }
 
@@ -74,12 +79,49 @@ AspirationBody body_of(const AspirationSettings& settings, const SuckedBody& suc
     body.rest = sucked.rest;
     body.steps = sucked.steps;
     body.peak_kpa = suction.peak_kpa();
-    body.kappa_kpa = settings.kappa_over_shear * sucked.start.peak_stiffness_kpa;
+    body.kappa_kpa = settings.kappa_over_young * sucked.start.peak_stiffness_kpa;
     body.contact_kpa_per_mm = contact_factor * sucked.start.peak_stiffness_kpa;
     return body;
 }
 
+/// "of term 2" from the second term of the relaxation on.
+std::string of_term(const std::string& number) { return number == "1" ? "" : " of term " + number; }
+
+/// What a number of `experiment_text` is in words of the settings file; empty: not known.
+std::string words_of(const std::string& path) {
+    static const std::map<std::string, std::string> words{
+        {"material[1].mu_kpa", "mu"},
+        {"material[1].gamma", "gamma"},
+        {"material[1].c1_kpa", "c1"},
+        {"material[1].c2_kpa", "c2"},
+        {"mesh.graded.depth_mm", "depth_mm"},
+        {"obstacle[1].hole_radius_mm", "half of hole_diameter_mm"},
+        {"obstacle[1].edge_radius_mm", "edge_radius_mm"},
+        {"obstacle[1].friction", "friction"},
+        {"data[1].r_scale", "pixel_r_um over what is told"},
+        {"data[1].z_scale", "pixel_z_um over what is told"},
+        {"data[1].delay_s", "delay_s"},
+        {"data[1].tilt", "turn of the camera"},
+        {"data[1].r_offset_mm", "axis off its column"}};
+    static const std::regex of_relaxation(
+        R"(material\[1\]\.relaxation\[(\d+)\]\.(amplitude|time_s))"),
+        of_rest(R"(data\[1\]\.rest_error\[(\d+)\]\.z_mm)");
+    if (const auto found = words.find(path); found != words.end()) return found->second;
+    std::smatch found;
+    if (std::regex_match(path, found, of_relaxation))
+        return (found[2] == "amplitude" ? "C" : "tau") + of_term(found[1]);
+    if (std::regex_match(path, found, of_rest))
+        return fmt::format("hidden surface at rest, place {}", found[1].str());
+    return "";
+}
+
 }  // namespace
+
+Experiment tissue_experiment(const std::string& text, const std::filesystem::path& folder) {
+    Experiment experiment = Experiment::parse(text, "the aspiration's model", folder);
+    experiment.set_words(words_of);
+    return experiment;
+}
 
 bool is_rest_error(const std::string& path) { return path.find("rest_error") != std::string::npos; }
 

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "host/apps/aspirate/fit_input.hpp"
+#include "host/apps/identify/experiment.hpp"
 
 namespace palpate {
 
@@ -15,7 +17,8 @@ constexpr double supposed_friction = 0.3;          ///< where it is unknown
 /// What is sucked, how, and what its tissue is taken for at first.
 struct SuckedBody {
     RestSurface rest;
-    double seen_to_mm = 0;  ///< r up to which `rest` was seen; beyond it is a guess
+    double seen_to_mm = 0;        ///< r up to which `rest` was seen; beyond it is a guess
+    double seen_later_to_mm = 0;  ///< r of the farthest point while tissue is sucked
     SuctionSteps steps;
     TissueStart start;
     std::vector<double> moved_mm =
@@ -38,5 +41,7 @@ std::string supposed_model_text(const AspirationSettings& settings, const Sucked
 /// looked for from the start on, profiles are in `points_file`.
 std::string experiment_text(const AspirationSettings& settings, const SuckedBody& sucked,
                             const Suction& suction, const std::string& law, int num_terms);
+/// That text, read, its numbers in words of the settings file; `points_file` lies in `folder`.
+Experiment tissue_experiment(const std::string& text, const std::filesystem::path& folder);
 
 }  // namespace palpate

@@ -39,8 +39,8 @@ constexpr double model_sd_ln = 0.02, model_sd_ln_of_stiffening = 0.04;
 constexpr double much_unexplained = 0.03, most_unexplained = 0.05;
 constexpr double sd_over_median = 1.4826;
 constexpr const char* what_to_check =
-    "look at the outlines, and check base_row_px, tissue, axis_column_px, pixels and the times of "
-    "film and suction, then try other laws";
+    "look at the outlines, and check base_row_px, tissue, axis_column_px, pixels, the unit of "
+    "suction and the times of film and suction, then try other laws";
 constexpr double most_instrument_sd = 3;  ///< of its prior, within which the instrument is believed
 
 double median_of(std::vector<double>& values) {

@@ -3,12 +3,15 @@
 #include "host/apps/aspirate/tissue_search.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/resolution.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/tasks.hpp"
 
 namespace palpate {
 namespace {
@@ -34,8 +37,8 @@ class Search {
 public:
     explicit Search(const TissueSearch& search)
         : search_(search),
-          sucked_{search.input.rest.surface, search.input.rest.seen_to_mm, search.input.steps,
-                  search.input.start} {
+          sucked_{search.input.rest.surface, search.input.rest.seen_to_mm,
+                  search.input.seen_later_to_mm, search.input.steps, search.input.start} {
         options_.gauss_newton.gain_tolerance = gain_at_end;
     }
 
@@ -66,7 +69,7 @@ void Search::make_experiment() {
     found_.experiment_toml =
         experiment_text(search_.settings, sucked_, search_.suction, search_.law, search_.num_terms);
     found_.experiment = std::make_shared<const Experiment>(
-        Experiment::parse(found_.experiment_toml, "the aspiration's model", search_.inside));
+        tissue_experiment(found_.experiment_toml, search_.inside));
     rest_errors_.clear();
     const std::vector<std::string>& paths = found_.experiment->paths();
     for (std::size_t k = 0; k < paths.size(); ++k)
@@ -147,20 +150,24 @@ double Search::move_surface() {
 
 /// y(h) - y(2 h) at the end of the search, of cells and of steps.
 void Search::compare_with_coarse() {
-    for (const Doubling doubled : {double_cells, double_steps}) {
-        const ExperimentProblem coarse = coarse_problem({doubled});
+    const std::array<Doubling, 2> doublings{double_cells, double_steps};
+    std::array<std::shared_ptr<const Prediction>, 2> coarser;
+    std::atomic<int> num_simulation = 0;
+    run_tasks(doublings.size(), search_.jobs, [&](std::size_t k) {
+        const ExperimentProblem coarse = coarse_problem({doublings[k]});
         try {
-            const PredictionAttempt made =
-                checked_prediction(coarse, found_.fit.values, PredictedColumns::none, nullptr);
-            if (made.prediction) found_.coarser.push_back(made.prediction);
+            coarser[k] =
+                checked_prediction(coarse, found_.fit.values, PredictedColumns::none, nullptr)
+                    .prediction;
         } catch (const Error& error) {
             // What a coarser mesh cannot do is no reason to lose the fit.
             if (error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit)
                 throw;
         }
-        found_.num_simulation += coarse.num_simulation();
-    }
-    if (found_.coarser.size() < 2) found_.coarser.clear();
+        num_simulation += coarse.num_simulation();
+    });
+    found_.num_simulation += num_simulation;
+    if (coarser[0] && coarser[1]) found_.coarser = {coarser[0], coarser[1]};
 }
 
 SearchedTissue Search::run(
@@ -179,6 +186,7 @@ SearchedTissue Search::run(
             found_.fit = fit(problem, options_, search_.progress);
             report_progress(search_.progress, "intervals", 0, search_.name);
             IdentifyOptions judging;
+            judging.jobs = search_.jobs;
             judging.added_sd = model_sd(found_.experiment->parameters());
             found_.identified = identify(problem, found_.fit, judging, search_.progress);
         }

@@ -33,7 +33,7 @@ DrawnTissue draw_once(const std::string& law, RandomNumbers& random) {
     // Young's modulus is 6 mu at rest
     const double stiffness_kpa = 6 * tissue.mu_kpa * stiffening(law, tissue.gamma, height_mm);
     tissue.peak_kpa = stiffness_kpa / theret_stiffness(1, SuckedScene::hole_radius_mm, height_mm);
-    tissue.kappa_kpa = usual_kappa_over_shear * stiffness_kpa;
+    tissue.kappa_kpa = usual_kappa_over_young * stiffness_kpa;
     return tissue;
 }
 

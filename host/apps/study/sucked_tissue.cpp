@@ -219,7 +219,7 @@ StudyReport kappa_report(const std::vector<Row>& rows) {
         "take it for less. One more has 100 MPa and is fitted with what aspirate fit assumes.",
         fmt::format("The stiffness at the peak is {:.1f} kPa, of which aspirate fit takes {:g} "
                     "times.",
-                    SuckedScene().stiffness_kpa(), usual_kappa_over_shear)};
+                    SuckedScene().stiffness_kpa(), usual_kappa_over_young)};
     const StudyTable table = found_table(rows, kappa_label, "bulk modulus, assumed for true, kPa",
                                          published_sucked_tissue());
     report.sections = {
@@ -314,7 +314,7 @@ Study make_aspiration_kappa_study(const StudyOptions&) {
     for (const double kappa_kpa : {true_kappa_kpa, 1e3, 1e2})
         study.cases.push_back(kappa_case(true_kappa_kpa, kappa_kpa));
     study.cases.push_back(kappa_case(hardly_compressible_kpa,
-                                     usual_kappa_over_shear * SuckedScene().stiffness_kpa()));
+                                     usual_kappa_over_young * SuckedScene().stiffness_kpa()));
     return study;
 }
 

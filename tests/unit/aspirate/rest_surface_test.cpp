@@ -61,7 +61,8 @@ protected:
             sucked.rest.z_mm.push_back(std::max(0.0, 0.5 * cap_at(r)));
         }
         sucked.rest.r_mm.back() = 5.2;
-        sucked.seen_to_mm = 3.2;  // hidden places at 3.7, 4.2 and 4.7 mm
+        sucked.seen_to_mm = 3.2;
+        sucked.seen_later_to_mm = 4.7;  // hidden places at 3.7, 4.2 and 4.7 mm
     }
     double height_at(double r_mm) const {
         for (std::size_t k = 0; k < sucked.rest.r_mm.size(); ++k)

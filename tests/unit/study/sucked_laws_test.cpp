@@ -44,7 +44,7 @@ TEST(DrawnTissue, NeedsASuctionThatAspirateTakesAndRelaxesWithinTheFilm) {
 TEST(DrawnTissue, HasTheStiffnessOfItsOwnLaw) {
     for (unsigned seed = 1; seed <= num_seed; ++seed) {
         const DrawnTissue tissue = draw_tissue(seed);
-        const double stiffness_kpa = tissue.kappa_kpa / usual_kappa_over_shear;
+        const double stiffness_kpa = tissue.kappa_kpa / usual_kappa_over_young;
         const double travel_mm =
             theret_stiffness(tissue.peak_kpa, SuckedScene::hole_radius_mm, 1) / stiffness_kpa;
         EXPECT_GE(travel_mm, 1 - 1e-12) << seed;

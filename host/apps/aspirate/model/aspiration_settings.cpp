@@ -192,7 +192,7 @@ std::vector<int> read_terms(const SettingsTable& table) {
 
 void read_tissue(const SettingsTable& table, AspirationSettings& read, const NumberReader& reader) {
     table.allow_keys({"depth_mm", "width_mm", "side", "laws", "relaxation_terms",
-                      "kappa_over_shear", "friction", "steps", "refine"});
+                      "kappa_over_young", "friction", "steps", "refine"});
     if (const auto depth = reader.read(table, "depth_mm", length_mm)) read.depth_mm = *depth;
     read.width_mm = table.number("width_mm", length_mm).value_or(read.width_mm);
     if (read.width_mm < 0.6 * read.outer_diameter_mm)
@@ -204,8 +204,8 @@ void read_tissue(const SettingsTable& table, AspirationSettings& read, const Num
                                  : TissueSide::slides;
     read.laws = read_laws(table);
     read.relaxation_terms = read_terms(table);
-    read.kappa_over_shear =
-        table.number("kappa_over_shear", {10, 1e6}).value_or(read.kappa_over_shear);
+    read.kappa_over_young =
+        table.number("kappa_over_young", {10, 1e6}).value_or(read.kappa_over_young);
     read.sticks = table.is_text("friction", "stick");
     if (read.sticks)
         read.friction = {stick_friction};
@@ -257,6 +257,7 @@ AspirationSettings parse_aspiration_settings(const std::string& text, const std:
     const SettingsTable all = SettingsTable::parse(text, name, reader.resolver());
     all.allow_keys({"instrument", "frames", "pressure", "tissue", "supposed"});
     AspirationSettings read;
+    read.text = text;
     const auto instrument = all.table("instrument"), frames = all.table("frames");
     if (!instrument) all.missing("instrument", "a table [instrument]");
     read_instrument(*instrument, folder, read, reader, part);

@@ -17,7 +17,7 @@ namespace palpate {
 /// Coulomb's coefficient of tissue that sticks to the tube: none slips under it.
 inline constexpr double stick_friction = 10;
 /// Bulk modulus over Young's modulus at the peak of suction, where nothing else is told.
-inline constexpr double usual_kappa_over_shear = 500;
+inline constexpr double usual_kappa_over_young = 500;
 
 /// What has to be known of the instrument and the camera to read profiles off frames.
 struct AspirationInstrument {
@@ -57,6 +57,7 @@ enum class TissueSide : std::uint8_t { slides, held, free };
 
 /// All that a settings file says.
 struct AspirationSettings {
+    std::string text;  ///< of the file
     AspirationInstrument instrument;
     SettingNumber hole_diameter_mm, edge_radius_mm, pixel_r_um, pixel_z_um;
     double outer_diameter_mm = 0;
@@ -68,7 +69,7 @@ struct AspirationSettings {
     std::vector<std::string> laws;
     std::vector<int> relaxation_terms;  ///< how many are tried
     /// Bulk modulus over Young's modulus that the travel at the peak tells.
-    double kappa_over_shear = usual_kappa_over_shear;
+    double kappa_over_young = usual_kappa_over_young;
     SettingNumber friction;
     bool sticks = false;  ///< no slip on the tube
     int steps = 32;       ///< that the cycle is solved in

@@ -36,7 +36,7 @@ AspirationBody body_of(const AspirationTruth& truth, double travel_mm) {
         {{"mu_kpa", fmt::format("{:.10g}", truth.mu_kpa)},
          {"gamma", fmt::format("{:.10g}", truth.gamma)}},
         {{fmt::format("{:.10g}", truth.amplitude), fmt::format("{:.10g}", truth.time_s)}}};
-    body.kappa_kpa = usual_kappa_over_shear * stiffness_kpa;
+    body.kappa_kpa = usual_kappa_over_young * stiffness_kpa;
     body.contact_kpa_per_mm = contact_factor * stiffness_kpa;
     body.peak_kpa = peak_kpa;
     body.steps = suction_steps(truth.suction, truth.film_s, truth_steps);
