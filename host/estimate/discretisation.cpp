@@ -14,7 +14,7 @@ namespace {
 constexpr double all_of_second_order = 4.0 / 3.0;
 /// What is not known of a shift: a share of it where it is small beside the sd, all of it from
 /// three sd on, where a first-order correction is a guess.
-constexpr double most_unknown_share = 1;
+constexpr double least_unknown_share = 1.0 / 3.0, most_unknown_share = 1;
 constexpr double shift_of_guess = 3;  // sd
 constexpr double reach_95 = 1.959964;
 
@@ -32,17 +32,19 @@ double moved_end(const Parameter& parameter, double end, double centre, double s
 }  // namespace
 
 Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters, const Fit& fit,
-                                        const Prediction& finer) {
+                                        const Prediction& finer, const Prediction& coarser) {
     const Eigen::VectorXd slopes = slopes_of(parameters, fit.transformed);
     Eigen::VectorXd pull = Eigen::VectorXd::Zero(fit.transformed.size());
     for (std::size_t b = 0; b < fit.prediction->blocks.size(); ++b) {
         const DataBlock& block = fit.prediction->blocks[b];
-        if (finer.blocks.size() != fit.prediction->blocks.size() ||
-            finer.blocks[b].predicted.size() != block.predicted.size())
-            throw Error(ErrorCode::internal, "a finer prediction has other rows");
+        for (const Prediction* other : {&finer, &coarser})
+            if (other->blocks.size() != fit.prediction->blocks.size() ||
+                other->blocks[b].predicted.size() != block.predicted.size())
+                throw Error(ErrorCode::internal, "a finer prediction has other rows");
         const Eigen::MatrixXd columns = transformed_columns(block, slopes);
-        pull += columns.transpose() * fit.noise->covariance(static_cast<Index>(b))
-                                          .solve(finer.blocks[b].predicted - block.predicted);
+        pull += columns.transpose() *
+                fit.noise->covariance(static_cast<Index>(b))
+                    .solve(finer.blocks[b].predicted - coarser.blocks[b].predicted);
     }
     NormalEquations equations{fit.equations.information, fit.equations.hessian, -pull};
     hold(parameters, equations);  // the pull on what is held is that of the others
@@ -50,8 +52,7 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 }
 
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
-                                Identified& all, const Eigen::VectorXd& model_sd,
-                                double least_unknown_share) {
+                                Identified& all, const Eigen::VectorXd& model_sd) {
     std::vector<Parameter> parameters;
     for (const IdentifiedParameter& one : all.parameters) parameters.push_back(one.parameter);
     for (std::size_t k = 0; k < all.parameters.size(); ++k) {

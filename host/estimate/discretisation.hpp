@@ -14,8 +14,13 @@ namespace palpate {
 ///   delta = -H^-1 J^T C^-1 (y_fine - y).
 /// `finer` is predicted at the values of the fit, row by row as there. Throws Error(internal) where
 /// rows do not fit.
+///   coarser   what y is; the fit's, or another pair's, of the same rows and values
 Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters, const Fit& fit,
-                                        const Prediction& finer);
+                                        const Prediction& finer, const Prediction& coarser);
+inline Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters,
+                                               const Fit& fit, const Prediction& finer) {
+    return shift_by_discretisation(parameters, fit, finer, *fit.prediction);
+}
 
 /// Takes errors of the discretisation out of values and intervals. Each of `shifts` is of one thing
 /// halved (cells, time steps). With errors of order p all of the error is delta / (1 - 2^-p): 4/3
@@ -25,10 +30,7 @@ Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& parameters
 /// Verdicts follow the new intervals.
 ///   model_sd   [num_parameter] of what else a model has wrong, of logarithms: joins the intervals
 ///              of what is searched for as one and is no nuisance; empty: nothing
-///   least_unknown_share   of each delta; all of it for one that was not seen but follows by order
-///              2 from what twice the size changes
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,
-                                Identified& all, const Eigen::VectorXd& model_sd = {},
-                                double least_unknown_share = 1.0 / 3.0);
+                                Identified& all, const Eigen::VectorXd& model_sd = {});
 
 }  // namespace palpate

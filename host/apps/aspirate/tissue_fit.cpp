@@ -139,10 +139,10 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     found.identified = std::move(searched.identified);
     found.num_simulation = searched.num_simulation;
     const Eigen::VectorXd model_sd = model_sds(tried.experiment->parameters());
-    if (searched.coarser.empty())
+    if (searched.halved.empty())
         check_mesh(configure, found, progress, model_sd);
     else
-        check_mesh(searched.coarser, found, model_sd);
+        check_mesh(searched.halved, found, model_sd);
     const double travel_mm =
         *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end());
     found.misfit = misfit_of(found, travel_mm);

@@ -47,11 +47,11 @@ public:
 
 private:
     void make_experiment();
-    using Doubling = bool (*)(SimulationSettings&);
-    ExperimentProblem coarse_problem(const std::vector<Doubling>& doublings) const;
+    using Resizing = bool (*)(SimulationSettings&);
+    ExperimentProblem resized_problem(const std::vector<Resizing>& resizings) const;
     void find_start();
     void fit_roughly(const DataProblem& problem);
-    void compare_with_coarse();
+    void halve();
     bool rest_is_settled() const;
     double move_surface();
     void report(const char* more) const {
@@ -76,14 +76,15 @@ void Search::make_experiment() {
         if (is_rest_error(paths[k])) rest_errors_.push_back(Index(k));
 }
 
-/// The experiment on cells, or time steps, of twice the size.
-ExperimentProblem Search::coarse_problem(const std::vector<Doubling>& doublings) const {
+/// The experiment on cells, or time steps, of twice or half the size.
+ExperimentProblem Search::resized_problem(const std::vector<Resizing>& resizings) const {
     return {*found_.experiment,
-            [configure = search_.configure, doublings](SimulationSettings& settings) {
+            [configure = search_.configure, resizings](SimulationSettings& settings) {
                 configure(settings);
-                for (const Doubling& doubled : doublings)
-                    if (!doubled(settings))
-                        throw Error(ErrorCode::solve_failed, "it cannot be made coarser");
+                for (const Resizing resized : resizings)
+                    if (!resized(settings))
+                        throw Error(ErrorCode::solve_failed,
+                                    "its cells and steps stay as they are");
             },
             search_.jobs, search_.progress};
 }
@@ -102,7 +103,7 @@ void take_start(const std::vector<Parameter>& parameters, const Fit& found, FitO
 /// nothing it begins at the guess.
 void Search::find_start() {
     report(", on coarse cells");
-    const ExperimentProblem coarse = coarse_problem({double_cells, double_steps});
+    const ExperimentProblem coarse = resized_problem({double_cells, double_steps});
     FitOptions rough = options_;
     const std::vector<Parameter>& parameters = found_.experiment->parameters();
     for (std::size_t k = 0; k < parameters.size(); ++k)
@@ -148,26 +149,30 @@ double Search::move_surface() {
     return move_rest(sucked_, error_mm);
 }
 
-/// y(h) - y(2 h) at the end of the search, of cells and of steps.
-void Search::compare_with_coarse() {
-    const std::array<Doubling, 2> doublings{double_cells, double_steps};
-    std::array<std::shared_ptr<const Prediction>, 2> coarser;
+/// What cells h / 2 change with time steps 2 dt, and steps dt / 2 with cells 2 h: what the one
+/// changes hardly depends on the other, and this costs about half of (h / 2, dt) and (h, dt / 2).
+void Search::halve() {
+    const std::array<std::vector<Resizing>, 4> models{
+        {{halve_cells, double_steps}, {double_steps}, {halve_steps, double_cells}, {double_cells}}};
+    std::array<std::shared_ptr<const Prediction>, models.size()> made;
     std::atomic<int> num_simulation = 0;
-    run_tasks(doublings.size(), search_.jobs, [&](std::size_t k) {
-        const ExperimentProblem coarse = coarse_problem({doublings[k]});
+    report(", with halves of cells and steps");
+    run_tasks(models.size(), search_.jobs, [&](std::size_t k) {
+        const ExperimentProblem resized = resized_problem(models[k]);
         try {
-            coarser[k] =
-                checked_prediction(coarse, found_.fit.values, PredictedColumns::none, nullptr)
+            made[k] =
+                checked_prediction(resized, found_.fit.values, PredictedColumns::none, nullptr)
                     .prediction;
         } catch (const Error& error) {
-            // What a coarser mesh cannot do is no reason to lose the fit.
+            // What other cells cannot do is no reason to lose the fit.
             if (error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit)
                 throw;
         }
-        num_simulation += coarse.num_simulation();
+        num_simulation += resized.num_simulation();
     });
     found_.num_simulation += num_simulation;
-    if (coarser[0] && coarser[1]) found_.coarser = {coarser[0], coarser[1]};
+    if (std::all_of(made.begin(), made.end(), [](const auto& one) { return one != nullptr; }))
+        found_.halved = {{made[1], made[0]}, {made[3], made[2]}};
 }
 
 SearchedTissue Search::run(
@@ -195,7 +200,7 @@ SearchedTissue Search::run(
         has_moved = move_surface() >= settled_rest_mm;
         make_experiment();
     }
-    compare_with_coarse();
+    halve();
     return std::move(found_);
 }
 

@@ -10,6 +10,7 @@
 
 #include "host/apps/aspirate/tissue_experiment.hpp"
 #include "host/apps/identify/experiment.hpp"
+#include "host/apps/identify/mesh_check.hpp"
 #include "host/apps/simulate/simulation_settings.hpp"
 #include "host/estimate/fit.hpp"
 #include "host/estimate/identified.hpp"
@@ -36,9 +37,9 @@ struct SearchedTissue {
     std::shared_ptr<const Experiment> experiment;
     Fit fit;
     Identified identified;
-    /// What cells of twice the size say at these values, and time steps; empty: not both say
-    /// anything.
-    std::vector<std::shared_ptr<const Prediction>> coarser;
+    /// What halving cells changes at these values, and halving time steps; empty: not all of it
+    /// could be solved.
+    std::vector<HalvedModel> halved;
     int num_simulation = 0;
 };
 

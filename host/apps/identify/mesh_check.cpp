@@ -52,10 +52,17 @@ std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, co
     return made.prediction;
 }
 
+std::string corrected_sentence(const std::string& what) {
+    return fmt::format(
+        "Values are corrected by a run with {} of half the size; the intervals have what that "
+        "leaves unknown.",
+        what);
+}
+
 /// `shifts` out of the values and into the intervals; a warning where they are large.
 void correct(const std::vector<Eigen::VectorXd>& shifts, IdentifiedExperiment& found,
-             const Eigen::VectorXd& model_sd, double least_unknown_share) {
-    correct_for_discretisation(shifts, found.fit, found.identified, model_sd, least_unknown_share);
+             const Eigen::VectorXd& model_sd) {
+    correct_for_discretisation(shifts, found.fit, found.identified, model_sd);
     found.is_mesh_checked = true;
     std::string far;
     for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
@@ -97,29 +104,21 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
             "A mesh of a file cannot be refined here: its error is not in the intervals.";
         return;
     }
-    found.mesh_check_sentence = fmt::format(
-        "Values are corrected by a run with {} of half the size; the intervals have "
-        "what that leaves unknown.",
-        what);
-    correct(shifts, found, model_sd, 1.0 / 3.0);
+    found.mesh_check_sentence = corrected_sentence(what);
+    correct(shifts, found, model_sd);
     if (what == steps)
         found.mesh_check_sentence +=
             " A mesh of a file cannot be refined here: its error is not in the intervals.";
 }
 
-void check_mesh(const std::vector<std::shared_ptr<const Prediction>>& coarser,
-                IdentifiedExperiment& found, const Eigen::VectorXd& model_sd) {
-    // With errors of second order y(h / 2) - y(h) is a quarter of y(h) - y(2 h). That order is not
-    // seen here: a quarter is what is not known, too, which is enough for an order of 1.5.
-    constexpr double order_two = 0.25;
+void check_mesh(const std::vector<HalvedModel>& pairs, IdentifiedExperiment& found,
+                const Eigen::VectorXd& model_sd) {
     std::vector<Eigen::VectorXd> shifts;
-    for (const auto& coarse : coarser)
-        shifts.push_back(-order_two * shift_by_discretisation(found.experiment.parameters(),
-                                                              found.fit, *coarse));
-    found.mesh_check_sentence =
-        "Values are corrected for what cells and time steps of twice the size change; the "
-        "intervals have what that leaves unknown.";
-    correct(shifts, found, model_sd, 1);
+    for (const HalvedModel& pair : pairs)
+        shifts.push_back(shift_by_discretisation(found.experiment.parameters(), found.fit,
+                                                 *pair.halved, *pair.usual));
+    found.mesh_check_sentence = corrected_sentence("cells and time steps");
+    correct(shifts, found, model_sd);
 }
 
 }  // namespace palpate

@@ -19,9 +19,14 @@ void check_mesh(const std::function<void(SimulationSettings&)>& configure,
                 IdentifiedExperiment& found, const ProgressSink& progress,
                 const Eigen::VectorXd& model_sd = {});
 
-/// The same by what the model says at the values of `found` with cells of twice the size, and with
-/// time steps of twice the size.
-void check_mesh(const std::vector<std::shared_ptr<const Prediction>>& coarser,
-                IdentifiedExperiment& found, const Eigen::VectorXd& model_sd = {});
+/// What a model says at the same values on two sizes of cells, or of time steps: the usual ones and
+/// those of half the size.
+struct HalvedModel {
+    std::shared_ptr<const Prediction> usual, halved;
+};
+
+/// The same by pairs of one for cells and one for time steps, all at the values of `found`.
+void check_mesh(const std::vector<HalvedModel>& pairs, IdentifiedExperiment& found,
+                const Eigen::VectorXd& model_sd = {});
 
 }  // namespace palpate

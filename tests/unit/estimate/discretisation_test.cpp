@@ -61,8 +61,6 @@ TEST(Discretisation, AnErrorOfSecondOrderIsTakenOutAndLeavesItsShareInTheInterva
     Identified other = identify(coarse, found, {});
     correct_for_discretisation({small}, found, other);
     EXPECT_NEAR(other.parameters[0].discretisation_sd, small[0] / 3, 1e-12);
-    correct_for_discretisation({small}, found, other, {}, 1);  // of which the order is not known
-    EXPECT_NEAR(other.parameters[0].discretisation_sd, small[0], 1e-12);
 }
 
 TEST(Discretisation, AnIntervalThatItWidensBeyondAFactorOfTwoIsRecoveredNoLonger) {
@@ -92,6 +90,25 @@ TEST(Discretisation, WhatElseAModelHasWrongWidensLogarithmsAloneAndNoNuisance) {
     EXPECT_NEAR(std::log(known.parameters[0].interval[1] / before.value),
                 std::hypot(half_before, 1.96 * 0.03), 1e-4);
     EXPECT_EQ(nuisance.parameters[0].interval, before.interval);
+}
+
+TEST(Discretisation, WhatBothOfAPairHaveWrongDoesNotMoveValues) {
+    constexpr double error = 0.04, in_both = 0.003;
+    const ToyProblem coarse = stretched(error, 2);
+    const Fit found = fit(coarse, {});
+    const auto with = [&](double more, double of) {
+        return stretched(of + more, 2)
+            .predict(found.values, PredictedColumns::none, nullptr)
+            .prediction;
+    };
+
+    const Eigen::VectorXd alone =
+        shift_by_discretisation(coarse.parameters(), found, *with(0, error / 4));
+    const Eigen::VectorXd pair = shift_by_discretisation(
+        coarse.parameters(), found, *with(in_both, error / 4), *with(in_both, error));
+
+    EXPECT_GT(alone[0], 0.02);
+    EXPECT_NEAR(pair[0], alone[0], 1e-9);
 }
 
 TEST(Discretisation, RowsThatDoNotFitAreRefused) {
