@@ -16,7 +16,7 @@ namespace {
 
 using Nominal = AspirationNominal;
 
-constexpr int truth_steps = 96, truth_refine = 2, most_tries = 5;
+constexpr int truth_steps = 144, truth_refine = 2, most_tries = 5;
 constexpr double contact_factor = 3000;  // times the stiffness at the peak, a mm
 
 AspirationBody body_of(const AspirationTruth& truth, double travel_mm) {
