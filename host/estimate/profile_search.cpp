@@ -18,7 +18,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double z_tolerance = 0.06;
 /// Of F, that a search along a profile may leave: it is known and taken off.
 constexpr double left_gain = 0.5;
-constexpr int max_profile_points = 8, most_profile_steps = 10;
+constexpr int max_profile_points = 6, most_profile_steps = 6;
 constexpr double nearly =
     0.95;  ///< of the rise that excludes: the 95 % interval's, but for a little
 /// A profile is followed at most so far: sd of the prior, or of the Laplace posterior if flat.
