@@ -40,8 +40,9 @@ const Told* told_of(const std::string& name) {
 }  // namespace
 
 ResultTree tissue_tree(const IdentifiedExperiment& found) {
-    ResultTree tree{.name = "tissue", .title = "Tissue"};
     const std::string distrust = found.distrust();
+    ResultTree tree{.name = "tissue",
+                    .title = distrust.empty() ? "Tissue" : "Tissue: do not trust these values"};
     std::map<std::string, int> count;
     for (const IdentifiedParameter& one : found.identified.parameters) {
         const Told* told = one.parameter.is_nuisance ? nullptr : told_of(one.parameter.name);
