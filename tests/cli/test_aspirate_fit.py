@@ -67,17 +67,19 @@ def test_tissue_comes_back_with_intervals(fitted, tmp_path):
     assert finished.returncode == 0, finished.stderr
 
 
-def test_coarse_cells_tell_of_the_mesh_what_finer_ones_tell(fitted, tmp_path):
-    """`identify` solves the same experiment on cells and steps of half the size; here those of twice the size are known."""
+def test_halves_are_told_on_the_coarse_other_ones_as_well(fitted, tmp_path):
+    """`identify` halves cells with the steps of the fit, and steps with its cells; here each with the other doubled."""
     finished = run_palpate("identify", fitted / "experiment.toml", "--out", tmp_path / "other", "--quiet")
     assert finished.returncode == 0, finished.stderr
     ours, others = (json.loads((out / "result.json").read_text()) for out in (fitted, tmp_path / "other"))
-    assert "twice the size" in ours["search"]["mesh_check"] and "half the size" in others["search"]["mesh_check"]
+    assert ours["search"]["mesh_checked"] and others["search"]["mesh_checked"]
     for one, other in zip(ours["parameters"], others["parameters"]):
         if one["is_nuisance"]:
             continue
         claimed = math.hypot(one["mesh_shift_sd"], other["mesh_shift_sd"])  # of logarithms
         assert abs(math.log(one["value"] / other["value"])) < 2 * claimed < 0.15, one["path"]
+        print(one["path"], one["mesh_shift_on_scale"], other["mesh_shift_on_scale"])
+        assert one["mesh_shift_on_scale"] == pytest.approx(other["mesh_shift_on_scale"], abs=0.015), one["path"]
 
 
 def test_a_model_of_another_film_is_not_to_be_trusted(sucked, tmp_path):
