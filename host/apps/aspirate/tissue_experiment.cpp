@@ -84,6 +84,22 @@ AspirationBody body_of(const AspirationSettings& settings, const SuckedBody& suc
     return body;
 }
 
+/// Beyond the last place nothing is seen later either: there the surface is hardly higher than a
+/// straight line to the rim, whatever the guess was before it was moved.
+void bound_outer_part(double last_mm, RestSurface& rest) {
+    constexpr double bulge = 1.1;  // a cap that is a part of a sphere stands so high over the line
+    const double end_mm = rest.r_mm.back();
+    double height_mm = 0;
+    for (std::size_t k = 0; k + 1 < rest.r_mm.size(); ++k) {
+        if (rest.r_mm[k] <= last_mm) {
+            height_mm = rest.z_mm[k] * (end_mm - last_mm) / (end_mm - rest.r_mm[k]);
+            continue;
+        }
+        const double line_mm = height_mm * (end_mm - rest.r_mm[k]) / (end_mm - last_mm);
+        rest.z_mm[k] = std::min(rest.z_mm[k], bulge * line_mm);
+    }
+}
+
 /// "of term 2" from the second term of the relaxation on.
 std::string of_term(const std::string& number) { return number == "1" ? "" : " of term " + number; }
 
@@ -149,6 +165,7 @@ double move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
         rest.z_mm[k] =
             std::clamp(rest.z_mm[k], outer_mm, outer_mm + rest.r_mm[k + 1] - rest.r_mm[k]);
     }
+    bound_outer_part(r_mm[r_mm.size() - 2], rest);
     sucked.moved_mm.resize(by_mm.size(), 0.0);
     for (std::size_t k = 0; k < by_mm.size(); ++k) sucked.moved_mm[k] += by_mm[k];
     double most_mm = 0;

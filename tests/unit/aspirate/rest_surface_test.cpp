@@ -122,5 +122,18 @@ TEST_F(MovedRest, FallsOutwardsAtMostBy45Degrees) {
     EXPECT_NEAR(move_rest(sucked, {0, 0, 0}), 0, 1e-12);  // it is so already
 }
 
+TEST_F(MovedRest, IsHardlyHigherThanALineToTheRimBeyondTheLastPlace) {
+    for (std::size_t k = 0; k + 1 < sucked.rest.r_mm.size(); ++k)  // a guess that stands too high
+        if (sucked.rest.r_mm[k] > 4.7) sucked.rest.z_mm[k] = 5.2 - sucked.rest.r_mm[k];
+
+    move_rest(sucked, {0, 0, -0.05});
+
+    const double at_46 = height_at(4.6);
+    EXPECT_GT(at_46, 0.02);
+    EXPECT_GT(height_at(4.8), 0);
+    EXPECT_LE(height_at(4.8), 1.1 * at_46 * (5.2 - 4.8) / (5.2 - 4.6) + 1e-12);
+    EXPECT_LE(height_at(5.0), 1.1 * at_46 * (5.2 - 5.0) / (5.2 - 4.6) + 1e-12);
+}
+
 }  // namespace
 }  // namespace palpate
