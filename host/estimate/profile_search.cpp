@@ -9,6 +9,7 @@
 
 #include "host/estimate/posterior.hpp"
 #include "solver/base/error.hpp"
+#include "solver/base/serial_blas.hpp"
 #include "solver/base/tasks.hpp"
 
 namespace palpate {
@@ -169,6 +170,7 @@ ProfileSearch::Point ProfileSearch::quadratic_end(const WantedInterval& wanted, 
 std::vector<TransformedInterval> ProfileSearch::intervals(const std::vector<WantedInterval>& wanted,
                                                           double tolerance, int jobs) {
     constexpr std::size_t sides = 2;
+    const SerialBlas serial;
     std::vector<std::array<Point, sides>> ends(wanted.size());
     run_tasks(sides * wanted.size(), jobs, [&](std::size_t task) {
         const std::size_t n = task / sides;

@@ -43,6 +43,20 @@ TEST(Identified, ASkewedPosteriorHasTheIntervalOfItsProfile) {
     EXPECT_EQ(stiffness.judgement.verdict, Verdict::weak);
 }
 
+TEST(Identified, EndsLookedForSideBySideAreTheSame) {
+    const ToyProblem problem = spring(2.0, 0.4);
+    const Fit found = fit(problem, held());
+    IdentifyOptions several;
+    several.jobs = 3;
+
+    const Identified known = identify(problem, found, {});
+    const Identified same = identify(problem, found, several);
+
+    ASSERT_TRUE(known.parameters[0].is_profiled);
+    EXPECT_EQ(same.parameters[0].interval, known.parameters[0].interval);
+    EXPECT_EQ(same.num_prediction, known.num_prediction);
+}
+
 TEST(Identified, APreciseSpringIsRecoveredWithoutAProfile) {
     const ToyProblem problem = spring(2.0, 0.02);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <complex>
 #include <functional>
 #include <utility>
@@ -41,8 +42,8 @@ public:
     const std::vector<Parameter>& parameters() const override { return parameters_; }
     PredictionAttempt predict(const Eigen::VectorXd& values, PredictedColumns columns,
                               const Prediction* warm) const override {
-        ++num_prediction;
-        num_warm += warm ? 1 : 0;
+        ++std::atomic_ref(num_prediction);
+        std::atomic_ref(num_warm) += warm ? 1 : 0;
         if ((fails && fails(values)) || (warm && fails_warm && fails_warm(values)))
             return {nullptr, "no equilibrium"};
         auto made = std::make_shared<Prediction>();
