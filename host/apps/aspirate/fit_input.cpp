@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -17,6 +18,7 @@ namespace {
 constexpr double bin_mm = 0.5;
 constexpr double apex_half_mm = 0.75;  // of the axis: what the highest part is
 constexpr double above_rim_mm = 0.12;  // points nearer to the line of visibility are left out
+constexpr double most_leverage = 4;    // of a height at a bin's middle, in variances of a point
 constexpr Index least_in_bin = 4, least_frames = 8, least_at_r = 4;
 constexpr double most_side_difference_mm = 0.3, least_travel_mm = 0.05;
 constexpr double begin_tolerance_s = 1e-6, rest_part = 0.03;
@@ -28,30 +30,37 @@ constexpr double stretch_factor = 1.3;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::input_unusable, why); }
 
-/// The weighted straight line through the points of a bin, at its middle.
-std::optional<ThinPoint> mean_near(const FrameProfile& frame, double r_mm, double half_mm,
-                                   double lowest_mm) {
-    double s0 = 0, s1 = 0, s2 = 0, v0 = 0, v1 = 0, variances = 0;
+/// The height at the middle of a bin by the weighted parabola through its points: a straight line
+/// is 0.01 mm^2 of the curvature off, which is 6 um beside the wall.
+std::optional<ThinPoint> height_near(const FrameProfile& frame, double r_mm, double half_mm,
+                                     double lowest_mm) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    double variances = 0;
     Index count = 0, all = 0;
     for (const ProfilePoint& point : frame.points) {
-        const double x = point.r_mm - r_mm;
-        if (std::abs(x) > half_mm) continue;
+        const double x = (point.r_mm - r_mm) / half_mm;
+        if (std::abs(x) > 1) continue;
         ++all;
         if (point.flag != PointFlag::ok || point.z_mm < lowest_mm) continue;
         const double w = 1 / (point.sd_mm * point.sd_mm);
-        s0 += w;
-        s1 += w * x;
-        s2 += w * x * x;
-        v0 += w * point.z_mm;
-        v1 += w * x * point.z_mm;
+        const Eigen::Vector3d terms(1, x, x * x);
+        normal += w * terms * terms.transpose();
+        right += w * point.z_mm * terms;
         variances += w * point.sd_mm * point.sd_mm;
         ++count;
     }
     if (count < least_in_bin || 2 * count < all) return std::nullopt;
-    const double det = s0 * s2 - s1 * s1;
-    if (!(det > 1e-9 * s0 * s2)) return std::nullopt;
-    // errors of neighbours go together: the mean's sd is that of a point
-    return ThinPoint{0, r_mm, (s2 * v0 - s1 * v1) / det, std::sqrt(variances / s0)};
+    // z = c0 + c1 x + c2 x^2 has the variance N^-1_00 at x = 0 if errors were independent
+    const auto factors = normal.ldlt();
+    const Eigen::Vector3d at_middle = factors.solve(Eigen::Vector3d::UnitX());
+    if (!(factors.rcond() > 1e-9)) return std::nullopt;
+    // Errors of neighbours go together: the sd is at least that of a point. Beyond the points'
+    // ends it is more.
+    const double point_variance = variances / normal(0, 0);
+    if (at_middle[0] > most_leverage * point_variance) return std::nullopt;
+    return ThinPoint{0, r_mm, at_middle.dot(right),
+                     std::sqrt(std::max(point_variance, at_middle[0]))};
 }
 
 std::vector<FrameProfile> frames_at_rest(const ProfileSeries& profiles, const Suction& suction,
@@ -108,10 +117,11 @@ ApexTravel travel_of(const ProfileSeries& profiles, const Suction& suction, cons
                      const AspirationSettings& settings, double begin_s) {
     ApexTravel apex;
     for (const FrameProfile& frame : profiles) {
-        const auto mean = mean_near(frame, 0, apex_half_mm, settings.instrument.rim_thickness_mm);
-        if (!mean) continue;
+        const auto height =
+            height_near(frame, 0, apex_half_mm, settings.instrument.rim_thickness_mm);
+        if (!height) continue;
         apex.time_s.push_back(frame.time_s - begin_s);
-        apex.travel_mm.push_back(mean->z_mm - rest.z_mm.front());
+        apex.travel_mm.push_back(height->z_mm - rest.z_mm.front());
         apex.suction_kpa.push_back(suction.at(frame.time_s - settings.delay_s.value));
     }
     return apex;
@@ -154,8 +164,9 @@ double asymmetry_of(const std::vector<ThinPoint>& points) {
     return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
-/// Means over the frames at rest, at their mean time. What a model has wrong is nothing there: data
-/// that leave this out may be met by a model that is off by as much at all times.
+/// Means of the heights over the frames at rest, at their mean time. What a model has wrong is
+/// nothing there: data that leave this out may be met by a model that is off by as much at all
+/// times.
 void take_rest(const std::vector<FrameProfile>& frames, double lowest_mm, int bins,
                AspirationFitInput& input) {
     double time_s = 0;
@@ -165,9 +176,9 @@ void take_rest(const std::vector<FrameProfile>& frames, double lowest_mm, int bi
         ThinPoint sum{time_s, k * bin_mm, 0, 0};
         std::size_t count = 0;
         for (const FrameProfile& frame : frames)
-            if (const auto mean = mean_near(frame, k * bin_mm, 0.5 * bin_mm, lowest_mm)) {
-                sum.z_mm += mean->z_mm;
-                sum.sd_mm += mean->sd_mm;
+            if (const auto height = height_near(frame, k * bin_mm, 0.5 * bin_mm, lowest_mm)) {
+                sum.z_mm += height->z_mm;
+                sum.sd_mm += height->sd_mm;
                 ++count;
             }
         if (2 * count < frames.size() || count == 0) continue;
@@ -197,10 +208,10 @@ void take_points(const ProfileSeries& profiles, const std::vector<FrameProfile>&
     for (const FrameProfile* frame : frames) {
         bool is_used = false;
         for (int k = -bins; k <= bins; ++k) {
-            auto mean = mean_near(*frame, k * bin_mm, 0.5 * bin_mm, lowest_mm);
-            if (!mean) continue;
-            mean->time_s = frame->time_s - input.begin_s;
-            input.points.push_back(*mean);
+            auto height = height_near(*frame, k * bin_mm, 0.5 * bin_mm, lowest_mm);
+            if (!height) continue;
+            height->time_s = frame->time_s - input.begin_s;
+            input.points.push_back(*height);
             is_used = true;
         }
         input.num_used_frames += is_used;

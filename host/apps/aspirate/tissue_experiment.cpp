@@ -114,8 +114,8 @@ std::string words_of(const std::string& path) {
         {"obstacle[1].hole_radius_mm", "half of hole_diameter_mm"},
         {"obstacle[1].edge_radius_mm", "edge_radius_mm"},
         {"obstacle[1].friction", "friction"},
-        {"data[1].r_scale", "pixel_r_um over what is told"},
-        {"data[1].z_scale", "pixel_z_um over what is told"},
+        {"data[1].r_scale", "told pixel_r_um over the true one"},
+        {"data[1].z_scale", "told pixel_z_um over the true one"},
         {"data[1].delay_s", "delay_s"},
         {"data[1].tilt", "turn of the camera"},
         {"data[1].r_offset_mm", "axis off its column"}};

@@ -61,6 +61,26 @@ TEST(FitInput, FramesBeforeSuctionAreOneRowOfMeansAtTheirMeanTime) {
               0);
 }
 
+TEST(FitInput, HeightsBesideTheWallAreThoseOfACurvedProfile) {
+    ProfileSeries frames = film(0);
+    // 0.5 / mm of curvature at r = 4.5 mm as sucked tissue has it beside the wall
+    const auto bent = [](double r) { return -0.25 * std::pow(std::max(0.0, std::abs(r) - 4), 2); };
+    for (FrameProfile& frame : frames)
+        for (ProfilePoint& point : frame.points) point.z_mm += bent(point.r_mm);
+    const AspirationFitInput input = make_fit_input(frames, suction(), settings());
+
+    int num_beside = 0;
+    for (const ThinPoint& point : input.points)
+        if (std::abs(std::abs(point.r_mm) - 4.5) < 1e-9 && point.time_s > 2.5 &&
+            point.time_s < 3.5) {
+            ++num_beside;
+            const double up_mm = 0.3 * suction().at(point.time_s + begin_s);
+            const double z_mm = 1.2 * (1 - 4.5 * 4.5 / 27) + bent(4.5) + up_mm;
+            EXPECT_NEAR(point.z_mm, z_mm, 2e-4);  // a straight line is 6e-3 off
+        }
+    EXPECT_GE(num_beside, 8);
+}
+
 TEST(FitInput, WithoutAFrameBeforeSuctionNothingCanBeFitted) {
     ProfileSeries frames = film(0);
     frames.erase(frames.begin(), frames.begin() + 40);
