@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "host/apps/aspirate/contours/outline_islands.hpp"
 
@@ -49,6 +50,33 @@ TEST(OutlineIslands, AreNoneWhereMoreAgreeThanDisagree) {
                                       "hhhooggggooooo",         // an edge of what is hidden
                                       "oooooooo"})
         EXPECT_EQ(flagged(letters), letters);
+}
+
+/// Tissue from row 10 down, but rows 25 to 34 of columns 0 to `gap` are background.
+std::string floating(const std::string& letters, int gap, float grey = 0.5F) {
+    constexpr Index rows = 60;
+    Outline outline = outline_of(letters);
+    std::vector<float> beyond(std::size_t(180 * rows), 50.0F);
+    const std::vector<float> tissue(180, 50.0F);
+    for (std::size_t x = 0; x < 180; ++x)
+        for (std::size_t y = 0; y < rows; ++y)
+            if (y < 10 || (y >= 25 && y < 35 && int(x) < gap))
+                beyond[x * rows + y] = y < 10 ? 0 : grey;
+    flag_floating({beyond, rows, rows, 1, tissue}, outline);
+    std::string after;
+    for (std::size_t k = 0; k < letters.size(); ++k) after += "oghl"[int(outline[k].flag)];
+    return after;
+}
+
+TEST(OutlinesThatFloat, AreDoubtedBesideDoubt) {
+    EXPECT_EQ(floating("hhggoooooooooggooooo", 13), "hhgggggggggggggooooo");
+    EXPECT_EQ(floating("hhggoooooooooggooooo", 10), "hhgggggggggggggooooo");  // most of the run
+}
+
+TEST(OutlinesThatFloat, AreNoneOverTissueOrWithoutDoubt) {
+    EXPECT_EQ(floating("hhggoooooooooggooooo", 7), "hhggoooooooooggooooo");       // few of the run
+    EXPECT_EQ(floating("hhggoooooooooggooooo", 13, 30), "hhggoooooooooggooooo");  // dark tissue
+    EXPECT_EQ(floating("hhhhooooooooohhhhhhh", 13), "hhhhooooooooohhhhhhh");
 }
 
 }  // namespace

@@ -42,8 +42,6 @@ constexpr double texture_share = 0.9;           // of what the tissue's slopes o
 // Least-squares derivative of seven taps (Vuskovic and Kauer), as correlation weights
 constexpr float tap1 = 0.833812F, tap2 = -0.229945F, tap3 = 0.0420264F;
 
-Index padded(Index rows) { return (rows + 15) / 8 * 8; }
-
 Index searched_rows(const ContourSettings& settings) {
     return std::clamp<Index>(Index(std::floor(settings.visible_rows)) - 2, 0, settings.height - 4);
 }
@@ -60,7 +58,7 @@ ContourTracker::ContourTracker(const ContourSettings& settings)
     : settings_(settings),
       width_(settings.width),
       rows_(searched_rows(settings)),
-      stride_(padded(rows_ + 4)),
+      stride_((rows_ + 19) / 8 * 8),  // some rows more, of eight
       background_(width_, rows_),
       search_(width_, rows_ + 1),
       shape_(width_),
@@ -112,7 +110,7 @@ void ContourTracker::load(const GreyFrame& frame) {
             }
 }
 
-/// The first frame: what is behind and the tissue are not known yet and take turns.
+/// The first frame: background and tissue are not known yet and take turns.
 void ContourTracker::begin() {
     std::fill(top_.begin(), top_.end(), float(first_rows));
     for (int round = 0; round < 4; ++round) {
@@ -428,6 +426,7 @@ void ContourTracker::judge() {
             outline_[x].row = leaves ? shape_.row(x) : joined_row_[x];
         }
     }
+    flag_floating({smooth_, stride_, rows_ - 3, smooth_sigma_, tissue_}, outline_);
     flag_islands(outline_);
 }
 

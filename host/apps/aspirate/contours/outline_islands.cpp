@@ -3,12 +3,16 @@
 #include "host/apps/aspirate/contours/outline_islands.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace palpate {
 namespace {
 
 constexpr std::size_t columns_over_island = 45;  // 4 columns of a frame 180 wide
+constexpr Index below_edge = 6, gap_rows = 3;    // blur is left behind; rows of background
+constexpr float gap_sigmas = 3, gap_part = 0.4F, floating_part = 0.6F;
+constexpr double floating_sd = 2;  // rows, at least
 
 /// Of columns from `from` on, in steps of `step`, that are doubted one after the other.
 std::size_t doubted_run(const Outline& outline, std::ptrdiff_t from, std::ptrdiff_t step) {
@@ -18,6 +22,17 @@ std::size_t doubted_run(const Outline& outline, std::ptrdiff_t from, std::ptrdif
          x += step)
         ++count;
     return count;
+}
+
+/// Whether some rows below the outline are background.
+bool is_over_gap(const BeyondBackground& beyond, Index x, double row) {
+    const float* grey = &beyond.grey[std::size_t(x * beyond.stride)];
+    const float most =
+        std::max(gap_sigmas * beyond.sigma, gap_part * beyond.tissue[std::size_t(x)]);
+    Index run = 0;
+    for (auto y = Index(std::ceil(row)) + below_edge; y < beyond.rows && run < gap_rows; ++y)
+        run = std::abs(grey[y]) < most ? run + 1 : 0;
+    return run == gap_rows;
 }
 
 }  // namespace
@@ -37,6 +52,25 @@ void flag_islands(Outline& outline) {
         for (std::size_t x = begin; x < end; ++x) {
             outline[x].flag = PointFlag::guessed;
             outline[x].sd = std::max({outline[x].sd, before[begin - 1].sd, before[end].sd});
+        }
+    }
+}
+
+void flag_floating(const BeyondBackground& beyond, Outline& outline) {
+    for (std::size_t begin = 0, end = 0; begin < outline.size(); begin = end) {
+        end = begin + 1;
+        if (outline[begin].flag != PointFlag::ok) continue;
+        while (end < outline.size() && outline[end].flag == PointFlag::ok) ++end;
+        const bool is_beside_doubt = (begin > 0 && is_doubted(outline[begin - 1].flag)) ||
+                                     (end < outline.size() && is_doubted(outline[end].flag));
+        if (!is_beside_doubt) continue;
+        std::size_t count = 0;
+        for (std::size_t x = begin; x < end; ++x)
+            count += is_over_gap(beyond, Index(x), outline[x].row);
+        if (float(count) < floating_part * float(end - begin)) continue;
+        for (std::size_t x = begin; x < end; ++x) {
+            outline[x].flag = PointFlag::guessed;
+            outline[x].sd = std::max(outline[x].sd, floating_sd);
         }
     }
 }

@@ -2,12 +2,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "host/apps/aspirate/contours/outline.hpp"
+#include "solver/base/types.hpp"
 
 namespace palpate {
 
 /// A few columns that agree with the outline amid many that do not are where a wrong path crosses
 /// it, as at the rim of a bubble: they become guessed, too, with their neighbours' errors.
 void flag_islands(Outline& outline);
+
+/// What pixels show beyond the background, of columns side by side.
+struct BeyondBackground {
+    const std::vector<float>& grey;    ///< [width][stride]
+    Index stride, rows;                ///< rows that are seen
+    float sigma;                       ///< of grey, where there is background alone
+    const std::vector<float>& tissue;  ///< [width] the tissue's grey beyond the background
+};
+
+/// A run of columns that agree with the outline, doubted ones at an end of it, floats where most
+/// of them have background below the outline: it is of a bubble above the tissue. They become
+/// guessed, too.
+void flag_floating(const BeyondBackground& beyond, Outline& outline);
 
 }  // namespace palpate
