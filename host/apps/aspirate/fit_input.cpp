@@ -10,6 +10,7 @@
 #include <iterator>
 #include <optional>
 
+#include "host/apps/aspirate/profile_axis.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -242,6 +243,19 @@ void warn_of_rest(const FoundRest& rest, std::vector<std::string>& warnings) {
                         rest.left_rms_mm));
 }
 
+/// The first frames alone tell a wrong axis where something in them hides a side.
+void centre(const AspirationSettings& settings, ProfileSeries& profiles,
+            std::vector<std::string>& warnings) {
+    if (settings.instrument.axis_column_px) return;
+    const double axis_mm = axis_of(profiles);
+    if (std::abs(axis_mm) <= found_axis_sd_mm) return;
+    move_axis(axis_mm, profiles);
+    warnings.push_back(
+        fmt::format("both sides are most alike at r = {:.2f} mm, so that the axis is taken to be "
+                    "there; tell axis_column_px if this is wrong",
+                    axis_mm));
+}
+
 }  // namespace
 
 std::string AspirationFitInput::points_csv() const {
@@ -272,6 +286,7 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
         }
     }
     input.flagged_percent = 100 * flagged / std::max(1.0, points);
+    centre(settings, within, input.warnings);
     if (within.empty() || within.back().time_s - delay_s <= input.begin_s)
         refuse(fmt::format(
             "suction and film do not overlap: suction begins at {:g} s and is read until {:g} s, "

@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "host/apps/aspirate/model/aspiration_model.hpp"
+#include "host/apps/aspirate/profile_axis.hpp"
 
 namespace palpate {
 namespace {
@@ -24,7 +25,7 @@ constexpr double unseen_sd_mm = 0.6;       // of it where nothing is seen at res
 constexpr double hidden_sd_mm = 0.2;       // of it
 constexpr double tilt_sd = 0.01;           // of the camera about its axis, rad
 // Of the axis: half a pixel where its column is told, else as the outlines' symmetry tells it.
-constexpr double told_axis_sd_px = 0.5, found_axis_sd_mm = 0.1;
+constexpr double told_axis_sd_px = 0.5;
 
 /// Where the surface at rest may be off: between the last that was seen of it and the farthest that
 /// is seen later; if nothing was seen, on the axis, too. Farther out only what is nearer tells, as

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "host/apps/aspirate/profile_axis.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -79,6 +80,44 @@ TEST(FitInput, HeightsBesideTheWallAreThoseOfACurvedProfile) {
             EXPECT_NEAR(point.z_mm, z_mm, 2e-4);  // a straight line is 6e-3 off
         }
     EXPECT_GE(num_beside, 8);
+}
+
+ProfileSeries moved(ProfileSeries frames, double by_mm) {
+    move_axis(-by_mm, frames);
+    return frames;
+}
+
+TEST(ProfileAxis, IsWhereBothSidesAreMostAlikeInMostFrames) {
+    EXPECT_NEAR(axis_of(film(0.02)), 0, 1e-9);
+    ProfileSeries frames = moved(film(0.02), 0.46);
+    EXPECT_NEAR(axis_of(frames), 0.46, 1e-9);
+    // a bubble on the right in a third of the frames
+    for (std::size_t k = 0; k < frames.size() / 3; ++k)
+        for (ProfilePoint& point : frames[k].points)
+            if (point.r_mm > 2 && point.r_mm < 4) point.z_mm += 0.5;
+    EXPECT_NEAR(axis_of(frames), 0.46, 1e-9);
+    // nothing to be told from one side
+    for (FrameProfile& frame : frames)
+        for (ProfilePoint& point : frame.points)
+            if (point.r_mm > 0) point.flag = PointFlag::guessed;
+    EXPECT_EQ(axis_of(frames), 0);
+}
+
+TEST(FitInput, AnAxisThatIsFarOffIsMovedUnlessItIsTold) {
+    const AspirationFitInput input = make_fit_input(moved(film(0), 0.3), suction(), settings());
+    EXPECT_LT(input.asymmetry_mm, 0.001);
+    ASSERT_EQ(input.warnings.size(), 1u);
+    EXPECT_NE(input.warnings[0].find("r = 0.30 mm"), std::string::npos);
+
+    // within what is believed it stays
+    const AspirationFitInput near = make_fit_input(moved(film(0), 0.08), suction(), settings());
+    EXPECT_GT(near.asymmetry_mm, 0.01);
+    EXPECT_TRUE(near.warnings.empty());
+
+    AspirationSettings told = settings();
+    told.instrument.axis_column_px = 90;
+    const AspirationFitInput as_told = make_fit_input(moved(film(0), 0.3), suction(), told);
+    EXPECT_GT(as_told.asymmetry_mm, 0.05);
 }
 
 TEST(FitInput, WithoutAFrameBeforeSuctionNothingCanBeFitted) {
