@@ -247,7 +247,7 @@ void warn_of_rest(const FoundRest& rest, std::vector<std::string>& warnings) {
 void centre(const AspirationSettings& settings, ProfileSeries& profiles,
             std::vector<std::string>& warnings) {
     if (settings.instrument.axis_column_px) return;
-    const double axis_mm = axis_of(profiles);
+    const double axis_mm = axis_of(profiles, 0.5 * settings.hole_diameter_mm.value);
     if (std::abs(axis_mm) <= found_axis_sd_mm) return;
     move_axis(axis_mm, profiles);
     warnings.push_back(

@@ -12,6 +12,9 @@ namespace {
 constexpr std::size_t most_frames = 60, least_pairs = 100;
 constexpr double farthest_mm = 1, step_mm = 0.02, pair_step_mm = 0.25, most_difference_mm = 0.1;
 constexpr double longest_gap_mm = 0.3;  // between points
+constexpr double wide_part = 0.5;       // of the hole's radius: nearer pairs hardly tell
+constexpr double least_wide_part = 0.1, least_fall = 2, much_mm = 0.02;
+constexpr int slope_rounds = 3;
 
 /// The height between two neighbours that have no flag.
 std::optional<double> height_at(const FrameProfile& frame, double r_mm) {
@@ -25,48 +28,69 @@ std::optional<double> height_at(const FrameProfile& frame, double r_mm) {
     return a.z_mm + (r_mm - a.r_mm) / (b.r_mm - a.r_mm) * (b.z_mm - a.z_mm);
 }
 
-struct Difference {
-    double axis_mm = 0, squares = 0;
-    std::size_t num_pairs = 0;
-    double mean() const { return squares / double(std::max<std::size_t>(1, num_pairs)); }
+struct Pair {
+    double d_mm, difference_mm;  ///< of the right side over the left
 };
 
-Difference about(const std::vector<const FrameProfile*>& frames, double axis_mm) {
-    Difference sum{axis_mm};
+std::vector<Pair> pairs_about(const std::vector<const FrameProfile*>& frames, double axis_mm) {
+    std::vector<Pair> pairs;
     for (const FrameProfile* frame : frames) {
-        if (frame->points.empty()) continue;
         const double end_mm =
             std::min(axis_mm - frame->points.front().r_mm, frame->points.back().r_mm - axis_mm);
         for (double d = pair_step_mm; d <= end_mm; d += pair_step_mm) {
             const auto left = height_at(*frame, axis_mm - d),
                        right = height_at(*frame, axis_mm + d);
-            if (!left || !right) continue;
-            const double away_mm = std::min(std::abs(*left - *right), most_difference_mm);
-            sum.squares += away_mm * away_mm;
-            ++sum.num_pairs;
+            if (left && right) pairs.push_back({d, *right - *left});
         }
     }
-    return sum;
+    return pairs;
+}
+
+/// The median of what is left with the slope that leaves least of what is not far away.
+double left_by(const std::vector<Pair>& pairs) {
+    double slope = 0;
+    for (int round = 0; round < slope_rounds; ++round) {
+        double products = 0, squares = 0;
+        for (const auto& [d, difference] : pairs) {
+            if (std::abs(difference - 2 * slope * d) > most_difference_mm) continue;
+            products += 2 * d * difference;
+            squares += 4 * d * d;
+        }
+        if (squares > 0) slope = products / squares;
+    }
+    std::vector<double> left;
+    for (const auto& [d, difference] : pairs) left.push_back(std::abs(difference - 2 * slope * d));
+    const auto middle = left.begin() + std::ptrdiff_t(left.size() / 2);
+    std::nth_element(left.begin(), middle, left.end());
+    return *middle;
 }
 
 }  // namespace
 
-double axis_of(const ProfileSeries& profiles) {
+double axis_of(const ProfileSeries& profiles, double hole_radius_mm) {
     std::vector<const FrameProfile*> frames;
     const std::size_t every = std::max<std::size_t>(1, profiles.size() / most_frames);
-    for (std::size_t k = 0; k < profiles.size(); k += every) frames.push_back(&profiles[k]);
-    std::vector<Difference> tried;
-    std::size_t most_pairs = 0;
-    for (double axis_mm = -farthest_mm; axis_mm <= farthest_mm; axis_mm += step_mm) {
-        tried.push_back(about(frames, axis_mm));
-        most_pairs = std::max(most_pairs, tried.back().num_pairs);
+    for (std::size_t k = 0; k < profiles.size(); k += every)
+        if (!profiles[k].points.empty()) frames.push_back(&profiles[k]);
+    const auto is_wide = [&](const Pair& pair) { return pair.d_mm >= wide_part * hole_radius_mm; };
+    const auto as_now = pairs_about(frames, 0);
+    if (as_now.size() < least_pairs) return 0;
+    const double now = left_by(as_now);
+    if (now < much_mm) return 0;
+    double best_mm = 0, least = now / least_fall;
+    const int count = int(std::lround(farthest_mm / step_mm));
+    for (int k = -count; k <= count; ++k) {
+        const auto pairs = pairs_about(frames, k * step_mm);
+        const auto num_wide = std::count_if(pairs.begin(), pairs.end(), is_wide);
+        if (2 * pairs.size() < as_now.size() ||
+            double(num_wide) < least_wide_part * double(pairs.size()))
+            continue;
+        const double left = left_by(pairs);
+        if (left >= least) continue;
+        least = left;
+        best_mm = k * step_mm;
     }
-    if (most_pairs < least_pairs) return 0;
-    std::erase_if(tried, [&](const Difference& one) { return 2 * one.num_pairs < most_pairs; });
-    const Difference best = *std::min_element(
-        tried.begin(), tried.end(),
-        [](const Difference& a, const Difference& b) { return a.mean() < b.mean(); });
-    return std::sqrt(best.mean()) < 0.5 * most_difference_mm ? best.axis_mm : 0;
+    return std::abs(best_mm) < (count - 0.5) * step_mm ? best_mm : 0;
 }
 
 void move_axis(double axis_mm, ProfileSeries& profiles) {

@@ -9,12 +9,14 @@ namespace palpate {
 /// An axis that was found in a few frames is believed within this much.
 inline constexpr double found_axis_sd_mm = 0.1;
 
-/// The r about which the profiles of a whole film are most alike on both sides, mm: with z(r, t) at
-/// points without a flag, the c of least
-///     mean over t, d of min((z(c + d, t) - z(c - d, t))^2, (0.1 mm)^2),
-/// at most 1 mm from r = 0, where at least half as many pairs are seen as elsewhere. 0 if there are
-/// hardly any, or sides are alike nowhere.
-double axis_of(const ProfileSeries& profiles);
+/// The r about which the profiles of a whole film are most alike on both sides, mm. With z(r, t) at
+/// points without a flag it is the c of least
+///     median over t, d of |z(c + d, t) - z(c - d, t) - 2 s d|,
+/// s the slope of a camera that is turned: as the tissue rises, c and s part. 0 where that tells
+/// nothing: with few pairs as far out as half of `hole_radius_mm`, a c that is 1 mm from r = 0 or
+/// farther, a median that is more than half of that about r = 0, or sides that differ by less
+/// than 0.02 mm about r = 0.
+double axis_of(const ProfileSeries& profiles, double hole_radius_mm);
 
 /// Counts r from `axis_mm` on.
 void move_axis(double axis_mm, ProfileSeries& profiles);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/io/number_table.hpp"
@@ -44,6 +45,9 @@ ProfileSeries read_profiles(const std::filesystem::path& path) {
         series.back().points.push_back(
             {r_mm[row], z_mm[row], sd_mm[row], flag_of(flags[row], table, row)});
     }
+    for (FrameProfile& frame : series)
+        std::sort(frame.points.begin(), frame.points.end(),
+                  [](const ProfilePoint& a, const ProfilePoint& b) { return a.r_mm < b.r_mm; });
     return series;
 }
 

@@ -87,36 +87,72 @@ ProfileSeries moved(ProfileSeries frames, double by_mm) {
     return frames;
 }
 
+constexpr double radius_mm = 5;
+
+/// Cap and rise of other heights, and a camera that is turned.
+ProfileSeries other_film(double cap_mm, double rise_mm, double slope) {
+    ProfileSeries frames = film(0);
+    for (FrameProfile& frame : frames)
+        for (ProfilePoint& point : frame.points) {
+            const double r = point.r_mm;
+            point.z_mm =
+                (cap_mm + rise_mm * suction().at(frame.time_s)) * (1 - r * r / 27) + slope * r;
+        }
+    return frames;
+}
+
 TEST(ProfileAxis, IsWhereBothSidesAreMostAlikeInMostFrames) {
-    EXPECT_NEAR(axis_of(film(0.02)), 0, 1e-9);
-    ProfileSeries frames = moved(film(0.02), 0.46);
-    EXPECT_NEAR(axis_of(frames), 0.46, 1e-9);
+    EXPECT_EQ(axis_of(film(0.02), radius_mm), 0);
+    ProfileSeries frames = moved(other_film(1, 0.3, 0), 0.46);
+    EXPECT_NEAR(axis_of(frames, radius_mm), 0.46, 1e-9);
     // a bubble on the right in a third of the frames
     for (std::size_t k = 0; k < frames.size() / 3; ++k)
         for (ProfilePoint& point : frames[k].points)
             if (point.r_mm > 2 && point.r_mm < 4) point.z_mm += 0.5;
-    EXPECT_NEAR(axis_of(frames), 0.46, 1e-9);
-    // nothing to be told from one side
-    for (FrameProfile& frame : frames)
-        for (ProfilePoint& point : frame.points)
-            if (point.r_mm > 0) point.flag = PointFlag::guessed;
-    EXPECT_EQ(axis_of(frames), 0);
+    EXPECT_NEAR(axis_of(frames, radius_mm), 0.46, 1e-9);
+}
+
+TEST(ProfileAxis, IsNotMovedByATurnedCamera) {
+    for (const double slope : {0.01, 0.03, 0.1}) {
+        EXPECT_EQ(axis_of(other_film(1.2, 0.3, slope), radius_mm), 0);
+        EXPECT_NEAR(axis_of(moved(other_film(1.2, 0.3, slope), 0.3), radius_mm), 0.3, 1e-9);
+    }
+}
+
+TEST(ProfileAxis, StaysWhereASideTellsNothing) {
+    for (const double rise_mm : {0.1, 0.3, 0.6}) {
+        const ProfileSeries frames = other_film(0.6, rise_mm, 0);
+        for (const double seen_to_mm : {0.0, 0.5, 1.5}) {
+            ProfileSeries flagged = frames, one_sided = frames;
+            for (FrameProfile& frame : flagged)
+                for (ProfilePoint& point : frame.points)
+                    if (point.r_mm > seen_to_mm) point.flag = PointFlag::guessed;
+            for (FrameProfile& frame : one_sided)
+                std::erase_if(frame.points,
+                              [&](const ProfilePoint& point) { return point.r_mm < -seen_to_mm; });
+            EXPECT_EQ(axis_of(flagged, radius_mm), 0) << rise_mm << ' ' << seen_to_mm;
+            EXPECT_EQ(axis_of(one_sided, radius_mm), 0) << rise_mm << ' ' << seen_to_mm;
+        }
+    }
 }
 
 TEST(FitInput, AnAxisThatIsFarOffIsMovedUnlessItIsTold) {
-    const AspirationFitInput input = make_fit_input(moved(film(0), 0.3), suction(), settings());
+    const AspirationFitInput input =
+        make_fit_input(moved(other_film(1.2, 0.3, 0), 0.3), suction(), settings());
     EXPECT_LT(input.asymmetry_mm, 0.001);
     ASSERT_EQ(input.warnings.size(), 1u);
     EXPECT_NE(input.warnings[0].find("r = 0.30 mm"), std::string::npos);
 
     // within what is believed it stays
-    const AspirationFitInput near = make_fit_input(moved(film(0), 0.08), suction(), settings());
+    const AspirationFitInput near =
+        make_fit_input(moved(other_film(1.2, 0.3, 0), 0.08), suction(), settings());
     EXPECT_GT(near.asymmetry_mm, 0.01);
     EXPECT_TRUE(near.warnings.empty());
 
     AspirationSettings told = settings();
     told.instrument.axis_column_px = 90;
-    const AspirationFitInput as_told = make_fit_input(moved(film(0), 0.3), suction(), told);
+    const AspirationFitInput as_told =
+        make_fit_input(moved(other_film(1.2, 0.3, 0), 0.3), suction(), told);
     EXPECT_GT(as_told.asymmetry_mm, 0.05);
 }
 
