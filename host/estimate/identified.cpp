@@ -127,7 +127,7 @@ std::vector<TransformedInterval> intervals_of(const std::vector<Parameter>& para
         const bool is_narrow = options.added_sd.size() > 0 && sd[k] < options.added_sd[k];
         if (is_narrow)
             intervals.back().rise = {0.5 * reach[k] * reach[k], 0.5 * reach[k] * reach[k]};
-        else if (!parameters[k].is_nuisance)
+        else if (!parameters[k].is_nuisance && std::isfinite(options.skewness_tolerance))
             wanted.push_back({k, reach[k]});
     }
     const auto profiled = profiles.intervals(wanted, options.skewness_tolerance, options.jobs);

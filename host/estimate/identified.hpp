@@ -17,7 +17,8 @@ namespace palpate {
 struct IdentifyOptions {
     GaussNewtonOptions gauss_newton;  ///< of the searches along profiles
     /// A profile is followed where, at the quadratic interval's ends, it differs from the quadratic
-    /// rise by more than this share of it. Nuisances have quadratic intervals.
+    /// rise by more than this share of it. Nuisances have quadratic intervals, and all numbers have
+    /// where this is infinite.
     double skewness_tolerance = 0.2;
     bool judges_far_ends = true;  ///< whether the far ends of ranges are predicted for verdicts
     /// [num_parameter] or empty: what will be added to the intervals, on the transformed scales.

@@ -9,8 +9,6 @@
 
 #include "host/estimate/posterior.hpp"
 #include "solver/base/error.hpp"
-#include "solver/base/serial_blas.hpp"
-#include "solver/base/tasks.hpp"
 
 namespace palpate {
 namespace {
@@ -42,11 +40,8 @@ ProfileSearch::ProfileSearch(const DataProblem& problem, const Fit& fit,
       fit_(fit),
       covariance_(covariance),
       options_(loosened(options)),
-      progress_([this, &progress](const Progress& news) {
-          if (news.stage.empty()) return check_cancelled(progress);
-          const std::lock_guard guard(reporting_);
-          report_progress(progress, news.stage, news.fraction, news.message);
-      }),
+      shared_(progress),
+      progress_(shared_.sink()),
       range_(range_of(parameters_)),
       priors_(priors_of(parameters_)),
       lowest_(minus_log_posterior(parameters_, *fit.prediction, *fit.noise)) {}
@@ -97,9 +92,10 @@ ProfileSearch::Point ProfileSearch::profile_at(Index k, double t, const Point& n
             options_, progress_);
         num_prediction_ += found.num_prediction;
         // Less what the last step would still have gained; at a kink that is a promise alone.
-        const double left = found.ending == Ending::converged
-                                ? found.predicted_gain
-                                : std::min(found.predicted_gain, left_gain);
+        const double left =
+            found.ending == Ending::converged || found.ending == Ending::too_many_steps
+                ? found.predicted_gain
+                : std::min(found.predicted_gain, left_gain);
         const double rise = std::max(0.0, found.objective - left - lowest_);
         Point point{std::sqrt(2.0 * rise), found.transformed, found.prediction};
         point.transformed[k] = t;
@@ -122,7 +118,8 @@ double ProfileSearch::farthest(Index k, double direction) const {
 }
 
 /// Secant on the root of the rise, which is linear for a Gaussian, within a bracket that begins
-/// with `first`.
+/// with `first`. Where the points do not suffice it is the outer side of the bracket, so that the
+/// interval is too wide rather than too narrow.
 double ProfileSearch::profile_end(Index k, double reach, double direction, Point first,
                                   bool& is_cut) {
     Point inside{0, fit_.transformed, fit_.prediction};
@@ -155,7 +152,7 @@ double ProfileSearch::profile_end(Index k, double reach, double direction, Point
         found = profile_at(k, t, inside);
     }
     is_cut = !is_bracketed || !std::isfinite(outside_z);
-    return is_bracketed ? 0.5 * (inside.transformed[k] + outside) : last;
+    return is_bracketed && is_cut ? 0.5 * (inside.transformed[k] + outside) : outside;
 }
 
 /// The profile at the end of the quadratic interval, or at the last place that is looked at.
@@ -170,9 +167,8 @@ ProfileSearch::Point ProfileSearch::quadratic_end(const WantedInterval& wanted, 
 std::vector<TransformedInterval> ProfileSearch::intervals(const std::vector<WantedInterval>& wanted,
                                                           double tolerance, int jobs) {
     constexpr std::size_t sides = 2;
-    const SerialBlas serial;
     std::vector<std::array<Point, sides>> ends(wanted.size());
-    run_tasks(sides * wanted.size(), jobs, [&](std::size_t task) {
+    run_tasks(sides * wanted.size(), jobs, shared_, [&](std::size_t task) {
         const std::size_t n = task / sides;
         report_progress(progress_, "intervals", double(task) / double(2 * sides * wanted.size()),
                         label_of(parameters_[std::size_t(wanted[n].parameter)]));
@@ -194,7 +190,7 @@ std::vector<TransformedInterval> ProfileSearch::intervals(const std::vector<Want
         }
         if (interval.is_profiled) interval.rise = {quadratic_rise, quadratic_rise};
     }
-    run_tasks(sides * wanted.size(), jobs, [&](std::size_t task) {
+    run_tasks(sides * wanted.size(), jobs, shared_, [&](std::size_t task) {
         const std::size_t n = task / sides, side = task % sides;
         TransformedInterval& interval = intervals[n];
         if (!interval.is_profiled) return;

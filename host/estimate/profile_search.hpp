@@ -6,11 +6,11 @@
 #include <array>
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "host/estimate/fit.hpp"
 #include "solver/base/log.hpp"
+#include "solver/base/tasks.hpp"
 
 namespace palpate {
 
@@ -73,8 +73,8 @@ private:
     const Fit& fit_;
     const Eigen::MatrixXd& covariance_;
     GaussNewtonOptions options_;
-    std::mutex reporting_;
-    ProgressSink progress_;  ///< from any thread
+    SharedProgress shared_;
+    ProgressSink progress_;  ///< of `shared_`
     TransformedRange range_;
     TransformedPriors priors_;
     double lowest_ = 0;

@@ -53,8 +53,8 @@ double median_of(std::vector<double>& values) {
 /// frame
 ///     sqrt((1.48 median |r|)^2 - (median sd)^2),
 /// so that a stain that was taken for tissue here or there says nothing about the model.
-double unexplained_mm(const IdentifiedExperiment& found) {
-    const DataBlock& block = found.fit.prediction->blocks.front();
+double unexplained_mm(const Fit& fit) {
+    const DataBlock& block = fit.prediction->blocks.front();
     std::map<double, std::pair<std::vector<double>, std::vector<double>>> frames;
     for (Index row = 0; row < block.num_row(); ++row) {
         auto& [away, noise] = frames[block.time_s[row]];
@@ -73,7 +73,7 @@ double unexplained_mm(const IdentifiedExperiment& found) {
 
 /// Empty if the model may be one of the film.
 std::string misfit_of(const IdentifiedExperiment& found, double travel_mm) {
-    const double left_mm = unexplained_mm(found), part = left_mm / travel_mm;
+    const double left_mm = unexplained_mm(found.fit), part = left_mm / travel_mm;
     if (part <= most_unexplained) return "";
     return fmt::format(
         "The model leaves {:.2f} mm of the heights unexplained, {:.0f} % of the travel: it is none "
@@ -85,7 +85,7 @@ std::string misfit_of(const IdentifiedExperiment& found, double travel_mm) {
 /// at rest that was not found.
 std::vector<std::string> warnings_of(const IdentifiedExperiment& found, double travel_mm) {
     std::vector<std::string> warnings;
-    const double much_mm = unexplained_mm(found), part = much_mm / travel_mm;
+    const double much_mm = unexplained_mm(found.fit), part = much_mm / travel_mm;
     if (part > much_unexplained && part <= most_unexplained)
         warnings.push_back(
             fmt::format("the model leaves {:.3f} mm unexplained, {:.1f} % of the travel; {}",
@@ -127,9 +127,13 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     };
     TriedModel tried;
     tried.name = name_of_model(law, num_terms);
-    SearchedTissue searched = search_tissue({settings, input, suction, tried.name, law, num_terms,
-                                             inside, configure, jobs_of(values), progress},
-                                            model_sds);
+    const double travel_mm =
+        *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end());
+    SearchedTissue searched = search_tissue(
+        {settings, input, suction, tried.name, law, num_terms, inside, configure, jobs_of(values),
+         progress},
+        model_sds,
+        [&](const Fit& fit) { return unexplained_mm(fit) > most_unexplained * travel_mm; });
     tried.experiment_toml = std::move(searched.experiment_toml);
     tried.experiment = std::move(searched.experiment);
     tried.found = std::make_shared<IdentifiedExperiment>(
@@ -139,12 +143,10 @@ TriedModel fit_one(const std::string& law, int num_terms, const AspirationSettin
     found.identified = std::move(searched.identified);
     found.num_simulation = searched.num_simulation;
     const Eigen::VectorXd model_sd = model_sds(tried.experiment->parameters());
-    if (searched.halved.empty())
-        check_mesh(configure, found, progress, model_sd);
-    else
+    if (!searched.halved.empty())
         check_mesh(searched.halved, found, model_sd);
-    const double travel_mm =
-        *std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end());
+    else if (searched.is_believed)
+        check_mesh(configure, found, progress, model_sd);
     found.misfit = misfit_of(found, travel_mm);
     tried.warnings = warnings_of(found, travel_mm);
     found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "host/apps/identify/experiment_problem.hpp"
@@ -43,12 +44,14 @@ public:
     }
 
     SearchedTissue run(
-        const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd);
+        const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,
+        const std::function<bool(const Fit&)>& is_no_model);
 
 private:
     void make_experiment();
     using Resizing = bool (*)(SimulationSettings&);
-    ExperimentProblem resized_problem(const std::vector<Resizing>& resizings) const;
+    ExperimentProblem resized_problem(const std::vector<Resizing>& resizings,
+                                      const ProgressSink& progress) const;
     void find_start();
     void fit_roughly(const DataProblem& problem);
     void halve();
@@ -77,7 +80,8 @@ void Search::make_experiment() {
 }
 
 /// The experiment on cells, or time steps, of twice or half the size.
-ExperimentProblem Search::resized_problem(const std::vector<Resizing>& resizings) const {
+ExperimentProblem Search::resized_problem(const std::vector<Resizing>& resizings,
+                                          const ProgressSink& progress) const {
     return {*found_.experiment,
             [configure = search_.configure, resizings](SimulationSettings& settings) {
                 configure(settings);
@@ -86,7 +90,7 @@ ExperimentProblem Search::resized_problem(const std::vector<Resizing>& resizings
                         throw Error(ErrorCode::solve_failed,
                                     "its cells and steps stay as they are");
             },
-            search_.jobs, search_.progress};
+            search_.jobs, progress};
 }
 
 /// The next fit begins where this one would end.
@@ -103,7 +107,8 @@ void take_start(const std::vector<Parameter>& parameters, const Fit& found, FitO
 /// nothing it begins at the guess.
 void Search::find_start() {
     report(", on coarse cells");
-    const ExperimentProblem coarse = resized_problem({double_cells, double_steps});
+    const ExperimentProblem coarse =
+        resized_problem({double_cells, double_steps}, search_.progress);
     FitOptions rough = options_;
     const std::vector<Parameter>& parameters = found_.experiment->parameters();
     for (std::size_t k = 0; k < parameters.size(); ++k)
@@ -154,19 +159,24 @@ double Search::move_surface() {
 void Search::halve() {
     const std::array<std::vector<Resizing>, 4> models{
         {{halve_cells, double_steps}, {double_steps}, {halve_steps, double_cells}, {double_cells}}};
+    for (const std::vector<Resizing>& resizings : models) {
+        SimulationSettings settings = *found_.experiment->at(found_.fit.values).simulation;
+        for (const Resizing resized : resizings)
+            if (!resized(settings)) return;
+    }
     std::array<std::shared_ptr<const Prediction>, models.size()> made;
+    SharedProgress progress(search_.progress);
     std::atomic<int> num_simulation = 0;
     report(", with halves of cells and steps");
-    run_tasks(models.size(), search_.jobs, [&](std::size_t k) {
-        const ExperimentProblem resized = resized_problem(models[k]);
+    run_tasks(models.size(), search_.jobs, progress, [&](std::size_t k) {
+        const ExperimentProblem resized = resized_problem(models[k], progress.sink());
         try {
             made[k] =
                 checked_prediction(resized, found_.fit.values, PredictedColumns::none, nullptr)
                     .prediction;
         } catch (const Error& error) {
             // What other cells cannot do is no reason to lose the fit.
-            if (error.code() == ErrorCode::cancelled || error.code() == ErrorCode::time_limit)
-                throw;
+            if (!is_of_model(error)) throw;
         }
         num_simulation += resized.num_simulation();
     });
@@ -176,7 +186,8 @@ void Search::halve() {
 }
 
 SearchedTissue Search::run(
-    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd) {
+    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,
+    const std::function<bool(const Fit&)>& is_no_model) {
     make_experiment();
     find_start();
     bool has_moved = true;
@@ -193,6 +204,11 @@ SearchedTissue Search::run(
             IdentifyOptions judging;
             judging.jobs = search_.jobs;
             judging.added_sd = model_sd(found_.experiment->parameters());
+            found_.is_believed = !is_no_model(found_.fit);
+            if (!found_.is_believed) {
+                judging.skewness_tolerance = std::numeric_limits<double>::infinity();
+                judging.judges_far_ends = false;
+            }
             found_.identified = identify(problem, found_.fit, judging, search_.progress);
         }
         found_.num_simulation += problem.num_simulation();
@@ -200,7 +216,7 @@ SearchedTissue Search::run(
         has_moved = move_surface() >= settled_rest_mm;
         make_experiment();
     }
-    halve();
+    if (found_.is_believed) halve();
     return std::move(found_);
 }
 
@@ -208,8 +224,9 @@ SearchedTissue Search::run(
 
 SearchedTissue search_tissue(
     const TissueSearch& search,
-    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd) {
-    return Search(search).run(model_sd);
+    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,
+    const std::function<bool(const Fit&)>& is_no_model) {
+    return Search(search).run(model_sd, is_no_model);
 }
 
 }  // namespace palpate

@@ -38,17 +38,21 @@ struct SearchedTissue {
     Fit fit;
     Identified identified;
     /// What halving cells changes at these values, and halving time steps; empty: not all of it
-    /// could be solved.
+    /// could be solved, or the fit is not believed.
     std::vector<HalvedModel> halved;
+    bool is_believed = true;
     int num_simulation = 0;
 };
 
 /// Begins where cells and time steps of twice the size have an optimum. What a fit finds of the
 /// hidden part of the surface at rest is a part of the body that the next fit has, until it no
 /// longer changes.
-///   model_sd   [num_parameter] of an experiment's parameters, as `IdentifyOptions::added_sd`
+///   model_sd      [num_parameter] of an experiment's parameters, as `IdentifyOptions::added_sd`
+///   is_no_model   whether a fit leaves too much for anybody to believe it: then intervals are
+///                 quadratic, and nothing is halved
 SearchedTissue search_tissue(
     const TissueSearch& search,
-    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd);
+    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,
+    const std::function<bool(const Fit&)>& is_no_model);
 
 }  // namespace palpate

@@ -8,7 +8,6 @@
 
 #include "host/apps/identify/path_direction.hpp"
 #include "solver/base/error.hpp"
-#include "solver/base/serial_blas.hpp"
 #include "solver/base/tasks.hpp"
 
 namespace palpate {
@@ -218,8 +217,8 @@ void ExperimentProblem::add_columns(ExperimentPrediction& prediction) const {
     const std::size_t count = parameters().size();
     for (DataBlock& block : prediction.blocks)
         block.columns.setZero(block.num_row(), Eigen::Index(count));
-    const SerialBlas serial;
-    run_tasks(count, jobs_, [&](std::size_t k) { set_column(prediction, k); });
+    SharedProgress progress(progress_);
+    run_tasks(count, jobs_, progress, [&](std::size_t k) { set_column(prediction, k); });
 }
 
 }  // namespace palpate

@@ -52,11 +52,9 @@ std::shared_ptr<const Prediction> predict_finer(const Experiment& experiment, co
     return made.prediction;
 }
 
-std::string corrected_sentence(const std::string& what) {
-    return fmt::format(
-        "Values are corrected by a run with {} of half the size; the intervals have what that "
-        "leaves unknown.",
-        what);
+std::string corrected_sentence(const std::string& by) {
+    return fmt::format("Values are corrected by {}; the intervals have what that leaves unknown.",
+                       by);
 }
 
 /// `shifts` out of the values and into the intervals; a warning where they are large.
@@ -104,7 +102,7 @@ void check_mesh(const Configure& configure, IdentifiedExperiment& found,
             "A mesh of a file cannot be refined here: its error is not in the intervals.";
         return;
     }
-    found.mesh_check_sentence = corrected_sentence(what);
+    found.mesh_check_sentence = corrected_sentence("a run with " + what + " of half the size");
     correct(shifts, found, model_sd);
     if (what == steps)
         found.mesh_check_sentence +=
@@ -117,7 +115,9 @@ void check_mesh(const std::vector<HalvedModel>& pairs, IdentifiedExperiment& fou
     for (const HalvedModel& pair : pairs)
         shifts.push_back(shift_by_discretisation(found.experiment.parameters(), found.fit,
                                                  *pair.halved, *pair.usual));
-    found.mesh_check_sentence = corrected_sentence("cells and time steps");
+    found.mesh_check_sentence = corrected_sentence(
+        "runs with cells and with time steps of half the size, each with the other of twice the "
+        "size");
     correct(shifts, found, model_sd);
 }
 
