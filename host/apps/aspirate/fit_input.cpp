@@ -245,12 +245,13 @@ void warn_of_rest(const FoundRest& rest, std::vector<std::string>& warnings) {
 
 /// The first frames alone tell a wrong axis where something in them hides a side.
 void centre(const AspirationSettings& settings, ProfileSeries& profiles,
-            std::vector<std::string>& warnings) {
+            AspirationFitInput& input) {
     if (settings.instrument.axis_column_px) return;
     const double axis_mm = axis_of(profiles, 0.5 * settings.hole_diameter_mm.value);
     if (std::abs(axis_mm) <= found_axis_sd_mm) return;
     move_axis(axis_mm, profiles);
-    warnings.push_back(
+    input.axis_mm = axis_mm;
+    input.warnings.push_back(
         fmt::format("both sides are most alike at r = {:.2f} mm, so that the axis is taken to be "
                     "there; tell axis_column_px if this is wrong",
                     axis_mm));
@@ -286,7 +287,7 @@ AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& 
         }
     }
     input.flagged_percent = 100 * flagged / std::max(1.0, points);
-    centre(settings, within, input.warnings);
+    centre(settings, within, input);
     if (within.empty() || within.back().time_s - delay_s <= input.begin_s)
         refuse(fmt::format(
             "suction and film do not overlap: suction begins at {:g} s and is read until {:g} s, "

@@ -10,7 +10,8 @@
 
 namespace palpate {
 
-/// A point of the profiles that are fitted: the mean over half a millimetre of one frame.
+/// A point of the profiles that are fitted: the height in the middle of half a millimetre of one
+/// frame.
 struct ThinPoint {
     double time_s = 0;  ///< from the begin of suction, as the frames tell it
     double r_mm = 0, z_mm = 0, sd_mm = 0;
@@ -37,13 +38,14 @@ struct AspirationFitInput {
     TissueStart start;
     Index num_frames = 0, num_used_frames = 0;
     double asymmetry_mm = 0, flagged_percent = 0;
-    double seen_later_to_mm = 0;  ///< r of the farthest points while tissue is sucked
+    double axis_mm = 0;           ///< r of the profiles from which `points` count theirs
+    double seen_later_to_mm = 0;  ///< the farthest r that is seen in some frames
     std::vector<std::string> warnings;
 
     std::string points_csv() const;
 };
 
-/// Chooses frames near the times at which the body will be solved, and takes means. Throws
+/// Chooses frames near the times at which the body will be solved, and takes heights. Throws
 /// Error(input_unusable) where suction and film do not overlap, no frame is from before the
 /// suction, nothing moves or is seen, or sides differ by more than 0.3 mm.
 AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& suction,

@@ -192,6 +192,11 @@ ResultTree fit_tree(const AspirationFit& fit) {
                     .unit = "mm",
                     .title = "Asymmetry of what is fitted",
                     .decimals = 3});
+    seen.add(Figure{.name = "axis_mm",
+                    .value = fit.input.axis_mm,
+                    .unit = "mm",
+                    .title = fit.input.axis_mm != 0 ? "Axis, in r of the profiles" : "",
+                    .decimals = 2});
     seen.add(Figure{.name = "travel_mm",
                     .value = *std::max_element(fit.input.apex.travel_mm.begin(),
                                                fit.input.apex.travel_mm.end()),

@@ -49,10 +49,11 @@ Outcome run_film(const OptionValues& values, const ProgressSink& progress) {
     const Suction suction = suction_from(values, settings);
     Outcome outcome;
     write_folder_atomically(folder, values.flag("overwrite"), [&](const fs::path& inside) {
-        const FilmOutlines film = write_profiles(inside, values, settings.instrument, progress);
+        FilmOutlines film = write_profiles(inside, values, settings.instrument, progress);
         // from the table, so that both steps one after the other give the same bytes
         const AspirationFitInput input =
             make_fit_input(read_profiles(inside / profiles_file), suction, settings);
+        film.axis.column += 1000 * input.axis_mm / settings.instrument.pixel_r_um;
         outcome = fit_tissue(settings, suction, input, &film, inside, values, progress);
     });
     outcome.text += where_report_is(folder);

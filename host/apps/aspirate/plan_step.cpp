@@ -54,16 +54,20 @@ SuckedBody supposed_body(const AspirationSettings& settings, const Suction& suct
     const double lowest_mm = settings.instrument.rim_thickness_mm + above_line_mm;
     for (std::size_t k = 0; k < body.rest.r_mm.size(); ++k)
         if (body.rest.z_mm[k] > lowest_mm) body.seen_to_mm = body.rest.r_mm[k];
-    body.seen_later_to_mm = radius_mm - point_step_mm;
     body.steps = suction_steps(suction, suction.end_s(), settings.steps);
     body.start = {tissue.mu_kpa, tissue.gamma, tissue.amplitude, tissue.relaxation_s,
                   stiffness_at_peak(tissue, suction.peak_kpa(), radius_mm)};
     return body;
 }
 
+struct SeenPoints {
+    std::string csv;
+    double to_mm = 0;  ///< r of the farthest
+};
+
 /// Where the supposed tissue will be seen, at the times that are solved; its heights are not used.
-std::string seen_points(const AspirationSettings& settings, const std::string& model,
-                        const OptionValues& values, const ProgressSink& progress) {
+SeenPoints seen_points(const AspirationSettings& settings, const std::string& model,
+                       const OptionValues& values, const ProgressSink& progress) {
     SimulationSettings simulation = parse_simulation(model, "the supposed tissue", {});
     take_tangent_options(values, simulation.newton);
     SimulationWish wish;
@@ -78,15 +82,16 @@ std::string seen_points(const AspirationSettings& settings, const std::string& m
     const std::vector<Index> nodes = nodes_along(surface, result);
     const int bins = int(0.5 * settings.hole_diameter_mm.value / point_step_mm);
     const double lowest_mm = settings.instrument.rim_thickness_mm + above_line_mm;
-    std::string text = "time_s,r_mm,z_mm,sd_mm\n";
+    SeenPoints seen{"time_s,r_mm,z_mm,sd_mm\n"};
     std::size_t num_rows = 0;
     for (std::size_t k = 1; k < result.states.size(); ++k) {
         const SmoothCurve curve = surface_profile(result, nodes, k, bins * point_step_mm).height;
         for (int bin = -bins; bin <= bins; ++bin) {
             const double z_mm = curve.at(std::abs(bin) * point_step_mm);
             if (z_mm < lowest_mm) continue;
-            text += fmt::format("{:.6g},{:g},{:.6f},{:g}\n", result.states[k].time_s,
-                                bin * point_step_mm, z_mm, settings.supposed->sd_mm);
+            seen.to_mm = std::max(seen.to_mm, bin * point_step_mm);
+            seen.csv += fmt::format("{:.6g},{:g},{:.6f},{:g}\n", result.states[k].time_s,
+                                    bin * point_step_mm, z_mm, settings.supposed->sd_mm);
             ++num_rows;
         }
     }
@@ -94,7 +99,7 @@ std::string seen_points(const AspirationSettings& settings, const std::string& m
         throw Error(ErrorCode::input_unusable,
                     "the supposed tissue is hardly seen above the line of visibility; suck more, "
                     "or suppose a higher cap_mm");
-    return text;
+    return seen;
 }
 
 /// The supposed tissue has one term: the first number of terms that has any.
@@ -139,15 +144,16 @@ Outcome run_plan(const OptionValues& values, const ProgressSink& progress) {
         throw Error(ErrorCode::invalid_argument,
                     "there is no supposed tissue; give a table [supposed] with mu_kpa");
     const Suction suction = suction_from(values, settings);
-    const SuckedBody body = supposed_body(settings, suction);
+    SuckedBody body = supposed_body(settings, suction);
     const std::string& law = settings.laws.front();
     const int num_term = planned_terms(settings);
     Outcome outcome;
     write_folder_atomically(folder, values.flag("overwrite"), [&](const fs::path& inside) {
-        write_text_file(
-            inside / points_file,
+        const SeenPoints seen =
             seen_points(settings, supposed_model_text(settings, body, suction, law, num_term),
-                        values, progress));
+                        values, progress);
+        write_text_file(inside / points_file, seen.csv);
+        body.seen_later_to_mm = seen.to_mm;
         const std::string text = experiment_text(settings, body, suction, law, num_term);
         write_text_file(inside / "experiment.toml", text);
         const Experiment experiment = tissue_experiment(text, inside);

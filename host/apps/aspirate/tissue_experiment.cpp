@@ -104,8 +104,20 @@ void bound_outer_part(double last_mm, RestSurface& rest) {
 /// "of term 2" from the second term of the relaxation on.
 std::string of_term(const std::string& number) { return number == "1" ? "" : " of term " + number; }
 
+/// The r of each place of `rest_error`, as they stand in a text of `rest_error_text`.
+std::vector<std::string> places_in(const std::string& text) {
+    const std::size_t begin = text.find("rest_error = ");
+    if (begin == std::string::npos) return {};
+    const std::string line = text.substr(begin, text.find('\n', begin) - begin);
+    static const std::regex place(R"(r_mm = ([0-9.]+))");
+    std::vector<std::string> places;
+    for (std::sregex_iterator one(line.begin(), line.end(), place), end; one != end; ++one)
+        places.push_back(fmt::format("{:.2f}", std::stod((*one)[1])));
+    return places;
+}
+
 /// What a number of `experiment_text` is in words of the settings file; empty: not known.
-std::string words_of(const std::string& path) {
+std::string words_of(const std::string& path, const std::vector<std::string>& places) {
     static const std::map<std::string, std::string> words{
         {"material[1].mu_kpa", "mu"},
         {"material[1].gamma", "gamma"},
@@ -128,7 +140,8 @@ std::string words_of(const std::string& path) {
     if (std::regex_match(path, found, of_relaxation))
         return (found[2] == "amplitude" ? "C" : "tau") + of_term(found[1]);
     if (std::regex_match(path, found, of_rest))
-        return fmt::format("hidden surface at rest, place {}", found[1].str());
+        return fmt::format("hidden surface at rest, r = {} mm",
+                           places.at(std::stoul(found[1]) - 1));
     return "";
 }
 
@@ -136,7 +149,8 @@ std::string words_of(const std::string& path) {
 
 Experiment tissue_experiment(const std::string& text, const std::filesystem::path& folder) {
     Experiment experiment = Experiment::parse(text, "the aspiration's model", folder);
-    experiment.set_words(words_of);
+    const std::vector<std::string> places = places_in(text);
+    experiment.set_words([&](const std::string& path) { return words_of(path, places); });
     return experiment;
 }
 

@@ -68,15 +68,18 @@ std::string floating(const std::string& letters, int gap, float grey = 0.5F) {
     return after;
 }
 
-TEST(OutlinesThatFloat, AreDoubtedBesideDoubt) {
-    EXPECT_EQ(floating("hhggoooooooooggooooo", 13), "hhgggggggggggggooooo");
-    EXPECT_EQ(floating("hhggoooooooooggooooo", 10), "hhgggggggggggggooooo");  // most of the run
+TEST(OutlinesThatFloat, AreDoubtedBesideAsManyDoubted) {
+    const std::string before = "hhgggggoooooooooggggooooo", after = "hhggggggggggggggggggooooo";
+    EXPECT_EQ(floating(before, 16), after);
+    EXPECT_EQ(floating(before, 13), after);  // most of the run
 }
 
 TEST(OutlinesThatFloat, AreNoneOverTissueOrWithoutDoubt) {
-    EXPECT_EQ(floating("hhggoooooooooggooooo", 7), "hhggoooooooooggooooo");       // few of the run
-    EXPECT_EQ(floating("hhggoooooooooggooooo", 13, 30), "hhggoooooooooggooooo");  // dark tissue
-    EXPECT_EQ(floating("hhhhooooooooohhhhhhh", 13), "hhhhooooooooohhhhhhh");
+    const std::string before = "hhgggggoooooooooggggooooo";
+    EXPECT_EQ(floating(before, 10), before);      // few of the run
+    EXPECT_EQ(floating(before, 16, 30), before);  // dark tissue
+    for (const std::string few : {"hhggggooooooooogggoooooo", "hhhhooooooooohhhhhhh"})
+        EXPECT_EQ(floating(few, 16), few);
 }
 
 }  // namespace

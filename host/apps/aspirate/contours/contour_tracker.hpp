@@ -12,8 +12,7 @@
 
 namespace palpate {
 
-/// Finds the tissue's outline in frame after frame of a film. After the first frame no memory is
-/// allocated.
+/// Finds the tissue's outline in frame after frame of a film. Memory is kept from frame to frame.
 ///
 /// Each pixel, averaged with its eight neighbours, says how much rather it is tissue than
 /// background: glare and blood are not background, what stands still while the tissue moves

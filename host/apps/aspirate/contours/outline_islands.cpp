@@ -57,13 +57,14 @@ void flag_islands(Outline& outline) {
 }
 
 void flag_floating(const BeyondBackground& beyond, Outline& outline) {
-    for (std::size_t begin = 0, end = 0; begin < outline.size(); begin = end) {
+    const Outline before = outline;
+    for (std::size_t begin = 0, end = 0; begin < before.size(); begin = end) {
         end = begin + 1;
-        if (outline[begin].flag != PointFlag::ok) continue;
-        while (end < outline.size() && outline[end].flag == PointFlag::ok) ++end;
-        const bool is_beside_doubt = (begin > 0 && is_doubted(outline[begin - 1].flag)) ||
-                                     (end < outline.size() && is_doubted(outline[end].flag));
-        if (!is_beside_doubt) continue;
+        if (before[begin].flag != PointFlag::ok) continue;
+        while (end < before.size() && before[end].flag == PointFlag::ok) ++end;
+        const std::size_t doubted = doubted_run(before, std::ptrdiff_t(begin) - 1, -1) +
+                                    doubted_run(before, std::ptrdiff_t(end), 1);
+        if (doubted < end - begin) continue;
         std::size_t count = 0;
         for (std::size_t x = begin; x < end; ++x)
             count += is_over_gap(beyond, Index(x), outline[x].row);

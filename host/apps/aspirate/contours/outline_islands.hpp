@@ -21,8 +21,8 @@ struct BeyondBackground {
     const std::vector<float>& tissue;  ///< [width] the tissue's grey beyond the background
 };
 
-/// A run of columns that agree with the outline, doubted ones at an end of it, floats where most
-/// of them have background below the outline: it is of a bubble above the tissue. They become
+/// A run of columns that agree with the outline floats where most of them have background below
+/// it, and beside it at least as many are doubted: it is of a bubble above the tissue. They become
 /// guessed, too.
 void flag_floating(const BeyondBackground& beyond, Outline& outline);
 
