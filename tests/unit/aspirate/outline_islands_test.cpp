@@ -72,6 +72,8 @@ TEST(OutlinesThatFloat, AreDoubtedBesideAsManyDoubted) {
     const std::string before = "hhgggggoooooooooggggooooo", after = "hhggggggggggggggggggooooo";
     EXPECT_EQ(floating(before, 16), after);
     EXPECT_EQ(floating(before, 13), after);  // most of the run
+    // two bubbles: the second one's run is longer than what is doubted before the first one's is
+    EXPECT_EQ(floating("hhgooooooogoooggggoooooo", 14), "hhggggggggggggggggoooooo");
 }
 
 TEST(OutlinesThatFloat, AreNoneOverTissueOrWithoutDoubt) {

@@ -57,21 +57,24 @@ void flag_islands(Outline& outline) {
 }
 
 void flag_floating(const BeyondBackground& beyond, Outline& outline) {
-    const Outline before = outline;
-    for (std::size_t begin = 0, end = 0; begin < before.size(); begin = end) {
-        end = begin + 1;
-        if (before[begin].flag != PointFlag::ok) continue;
-        while (end < before.size() && before[end].flag == PointFlag::ok) ++end;
-        const std::size_t doubted = doubted_run(before, std::ptrdiff_t(begin) - 1, -1) +
-                                    doubted_run(before, std::ptrdiff_t(end), 1);
-        if (doubted < end - begin) continue;
-        std::size_t count = 0;
-        for (std::size_t x = begin; x < end; ++x)
-            count += is_over_gap(beyond, Index(x), outline[x].row);
-        if (float(count) < floating_part * float(end - begin)) continue;
-        for (std::size_t x = begin; x < end; ++x) {
-            outline[x].flag = PointFlag::guessed;
-            outline[x].sd = std::max(outline[x].sd, floating_sd);
+    for (bool has_changed = true; has_changed;) {
+        has_changed = false;
+        for (std::size_t begin = 0, end = 0; begin < outline.size(); begin = end) {
+            end = begin + 1;
+            if (outline[begin].flag != PointFlag::ok) continue;
+            while (end < outline.size() && outline[end].flag == PointFlag::ok) ++end;
+            const std::size_t doubted = doubted_run(outline, std::ptrdiff_t(begin) - 1, -1) +
+                                        doubted_run(outline, std::ptrdiff_t(end), 1);
+            if (doubted < end - begin) continue;
+            std::size_t count = 0;
+            for (std::size_t x = begin; x < end; ++x)
+                count += is_over_gap(beyond, Index(x), outline[x].row);
+            if (float(count) < floating_part * float(end - begin)) continue;
+            has_changed = true;
+            for (std::size_t x = begin; x < end; ++x) {
+                outline[x].flag = PointFlag::guessed;
+                outline[x].sd = std::max(outline[x].sd, floating_sd);
+            }
         }
     }
 }

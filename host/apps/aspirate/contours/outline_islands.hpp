@@ -23,7 +23,7 @@ struct BeyondBackground {
 
 /// A run of columns that agree with the outline floats where most of them have background below
 /// it, and beside it at least as many are doubted: it is of a bubble above the tissue. They become
-/// guessed, too.
+/// guessed, too, and count for others beside them.
 void flag_floating(const BeyondBackground& beyond, Outline& outline);
 
 }  // namespace palpate
