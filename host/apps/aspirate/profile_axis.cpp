@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t most_frames = 60, least_pairs = 100;
-constexpr double farthest_mm = 1, step_mm = 0.02, pair_step_mm = 0.25, most_difference_mm = 0.1;
+constexpr double farthest_mm = 1.5, step_mm = 0.02, pair_step_mm = 0.25, most_difference_mm = 0.1;
 constexpr double longest_gap_mm = 0.3;  // between points
 constexpr double wide_part = 0.5;       // of the hole's radius: nearer pairs hardly tell
 constexpr double least_wide_part = 0.1, least_fall = 2, much_mm = 0.02;
