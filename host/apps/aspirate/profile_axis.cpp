@@ -15,6 +15,7 @@ constexpr double longest_gap_mm = 0.3;  // between points
 constexpr double wide_part = 0.5;       // of the hole's radius: nearer pairs hardly tell
 constexpr double least_wide_part = 0.1, least_fall = 2, much_mm = 0.02;
 constexpr int slope_rounds = 3;
+constexpr double most_slope = 0.03;  // 3 sd of what a fit expects of a camera
 
 /// The height between two neighbours that have no flag.
 std::optional<double> height_at(const FrameProfile& frame, double r_mm) {
@@ -56,7 +57,7 @@ double left_by(const std::vector<Pair>& pairs) {
             products += 2 * d * difference;
             squares += 4 * d * d;
         }
-        if (squares > 0) slope = products / squares;
+        if (squares > 0) slope = std::clamp(products / squares, -most_slope, most_slope);
     }
     std::vector<double> left;
     for (const auto& [d, difference] : pairs) left.push_back(std::abs(difference - 2 * slope * d));

@@ -113,10 +113,15 @@ TEST(ProfileAxis, IsWhereBothSidesAreMostAlikeInMostFrames) {
 }
 
 TEST(ProfileAxis, IsNotMovedByATurnedCamera) {
-    for (const double slope : {0.01, 0.03, 0.1}) {
+    for (const double slope : {0.01, -0.03}) {
         EXPECT_EQ(axis_of(other_film(1.2, 0.3, slope), radius_mm), 0);
         EXPECT_NEAR(axis_of(moved(other_film(1.2, 0.3, slope), 0.3), radius_mm), 0.3, 1e-9);
     }
+}
+
+/// A wrong axis is hardly told from a camera that is turned by 0.08, which none is.
+TEST(ProfileAxis, IsMovedWhereTissueHardlyRises) {
+    EXPECT_NEAR(axis_of(moved(other_film(1.2, 0.05, 0), -0.6), radius_mm), -0.6, 1e-9);
 }
 
 TEST(ProfileAxis, StaysWhereASideTellsNothing) {
@@ -138,12 +143,12 @@ TEST(ProfileAxis, StaysWhereASideTellsNothing) {
 
 TEST(FitInput, AnAxisThatIsFarOffIsMovedUnlessItIsTold) {
     const AspirationFitInput input =
-        make_fit_input(moved(other_film(1.2, 0.3, 0), 0.3), suction(), settings());
+        make_fit_input(moved(other_film(1.2, 0.3, 0), 0.5), suction(), settings());
     EXPECT_LT(input.asymmetry_mm, 0.001);
     ASSERT_EQ(input.warnings.size(), 1u);
-    EXPECT_NE(input.warnings[0].find("r = 0.30 mm"), std::string::npos);
+    EXPECT_NE(input.warnings[0].find("r = 0.50 mm"), std::string::npos) << input.warnings[0];
 
-    // within what is believed it stays
+    // within what is believed it stays, or where a camera that is turned does as well
     const AspirationFitInput near =
         make_fit_input(moved(other_film(1.2, 0.3, 0), 0.08), suction(), settings());
     EXPECT_GT(near.asymmetry_mm, 0.01);
@@ -152,7 +157,7 @@ TEST(FitInput, AnAxisThatIsFarOffIsMovedUnlessItIsTold) {
     AspirationSettings told = settings();
     told.instrument.axis_column_px = 90;
     const AspirationFitInput as_told =
-        make_fit_input(moved(other_film(1.2, 0.3, 0), 0.3), suction(), told);
+        make_fit_input(moved(other_film(1.2, 0.3, 0), 0.5), suction(), told);
     EXPECT_GT(as_told.asymmetry_mm, 0.05);
 }
 
