@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -82,6 +84,44 @@ TEST(OutlinesThatFloat, AreNoneOverTissueOrWithoutDoubt) {
     EXPECT_EQ(floating(before, 16, 30), before);  // dark tissue
     for (const std::string few : {"hhggggooooooooogggoooooo", "hhhhooooooooohhhhhhh"})
         EXPECT_EQ(floating(few, 16), few);
+}
+
+/// A parabola 50 rows high over 150 columns, with a bite of `depth` rows from column 60 to 79.
+Outline cap_with_bite(double depth) {
+    Outline outline(180, {101, 0.1, PointFlag::hidden});
+    for (std::size_t x = 15; x < 165; ++x) {
+        const double s = (double(x) - 90) / 75;
+        outline[x] = {50 + 50 * s * s + (x >= 60 && x < 80 ? depth : 0), 0.1, PointFlag::ok};
+    }
+    return outline;
+}
+
+std::size_t num_doubted(const Outline& outline) {
+    return std::size_t(std::count_if(outline.begin(), outline.end(), [](const OutlinePoint& point) {
+        return is_doubted(point.flag);
+    }));
+}
+
+TEST(OutlinesWithABite, AreDoubtedThere) {
+    Outline outline = cap_with_bite(5);
+    flag_bites(100, outline);
+    for (std::size_t x = 62; x < 78; ++x) EXPECT_EQ(outline[x].flag, PointFlag::guessed) << x;
+    EXPECT_LE(num_doubted(outline), 24u);
+    EXPECT_GT(outline[70].sd, 3);
+}
+
+TEST(OutlinesWithABite, AreNoneThatBulge) {
+    Outline outline = cap_with_bite(0);
+    flag_bites(100, outline);
+    EXPECT_EQ(num_doubted(outline), 0u);
+    outline = cap_with_bite(1);  // shallow
+    flag_bites(100, outline);
+    EXPECT_EQ(num_doubted(outline), 0u);
+    // a skirt that bends the other way beside the line of visibility
+    for (std::size_t x = 15; x < 165; ++x)
+        outline[x] = {100 - 60 * std::exp(-std::pow((double(x) - 90) / 30, 2)), 0.1, PointFlag::ok};
+    flag_bites(100, outline);
+    EXPECT_EQ(num_doubted(outline), 0u);
 }
 
 }  // namespace

@@ -428,6 +428,7 @@ void ContourTracker::judge() {
     }
     flag_floating({smooth_, stride_, rows_ - 3, smooth_sigma_, tissue_}, outline_);
     flag_islands(outline_);
+    flag_bites(settings_.visible_rows, outline_);
 }
 
 void ContourTracker::remember() {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 namespace palpate {
 namespace {
@@ -13,6 +14,8 @@ constexpr std::size_t columns_over_island = 45;  // 4 columns of a frame 180 wid
 constexpr Index below_edge = 6, gap_rows = 3;    // blur is left behind; rows of background
 constexpr float gap_sigmas = 3, gap_part = 0.4F, floating_part = 0.6F;
 constexpr double floating_sd = 2;  // rows, at least
+constexpr std::size_t least_points = 20, columns_over_bite = 3;
+constexpr double bite_depth = 2.5, bite_edge = 1, above_visible = 6;  // rows
 
 /// Of columns from `from` on, in steps of `step`, that are doubted one after the other.
 std::size_t doubted_run(const Outline& outline, std::ptrdiff_t from, std::ptrdiff_t step) {
@@ -76,6 +79,41 @@ void flag_floating(const BeyondBackground& beyond, Outline& outline) {
                 outline[x].sd = std::max(outline[x].sd, floating_sd);
             }
         }
+    }
+}
+
+void flag_bites(double visible_rows, Outline& outline) {
+    std::vector<std::size_t> columns, hull;  // hull: of the points from above
+    for (std::size_t x = 0; x < outline.size(); ++x)
+        if (outline[x].flag == PointFlag::ok && outline[x].row < visible_rows - 1)
+            columns.push_back(x);
+    if (columns.size() < least_points) return;
+    const auto line_at = [&](std::size_t from, std::size_t to, std::size_t x) {
+        const double share = double(x - from) / double(to - from);
+        return outline[from].row + share * (outline[to].row - outline[from].row);
+    };
+    for (const std::size_t x : columns) {
+        while (hull.size() >= 2 &&
+               line_at(hull[hull.size() - 2], x, hull.back()) <= outline[hull.back()].row)
+            hull.pop_back();
+        hull.push_back(x);
+    }
+    for (std::size_t k = 1; k < hull.size(); ++k) {
+        const std::size_t from = hull[k - 1], to = hull[k];
+        if (to - from > outline.size() / columns_over_bite ||
+            std::max(outline[from].row, outline[to].row) > visible_rows - above_visible)
+            continue;
+        const auto depth = [&](std::size_t x) {
+            return outline[x].flag == PointFlag::ok ? outline[x].row - line_at(from, to, x) : 0.0;
+        };
+        double deepest = 0;
+        for (std::size_t x = from + 1; x < to; ++x) deepest = std::max(deepest, depth(x));
+        if (deepest <= bite_depth) continue;
+        for (std::size_t x = from + 1; x < to; ++x)
+            if (const double below = depth(x); below > bite_edge) {
+                outline[x].flag = PointFlag::guessed;
+                outline[x].sd = std::max(outline[x].sd, below);
+            }
     }
 }
 

@@ -26,4 +26,11 @@ struct BeyondBackground {
 /// guessed, too, and count for others beside them.
 void flag_floating(const BeyondBackground& beyond, Outline& outline);
 
+/// Sucked tissue bulges. Where a straight line from column to column, a third of the frame at most
+/// and some rows above the line of visibility at both ends, passes 2.5 rows or more over the points
+/// without a flag between, something as dark as the background (blood) has taken a bite out of the
+/// outline: those more than a row below the line become guessed, with that for an sd.
+///   visible_rows   of the line of visibility
+void flag_bites(double visible_rows, Outline& outline);
+
 }  // namespace palpate
