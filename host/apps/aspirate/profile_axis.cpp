@@ -15,7 +15,7 @@ constexpr double longest_gap_mm = 0.3;  // between points
 constexpr double wide_part = 0.5;       // of the hole's radius: nearer pairs hardly tell
 constexpr double least_wide_part = 0.1, least_fall = 2, much_mm = 0.02;
 constexpr int slope_rounds = 3;
-constexpr double most_slope = 0.03;  // 3 sd of what a fit expects of a camera
+constexpr double turned = 0.03, askew = 1;  // slopes: 3 sd of what a fit expects of a camera; any
 
 /// The height between two neighbours that have no flag.
 std::optional<double> height_at(const FrameProfile& frame, double r_mm) {
@@ -48,7 +48,7 @@ std::vector<Pair> pairs_about(const std::vector<const FrameProfile*>& frames, do
 }
 
 /// The median of what is left with the slope that leaves least of what is not far away.
-double left_by(const std::vector<Pair>& pairs) {
+double left_by(const std::vector<Pair>& pairs, double most_slope) {
     double slope = 0;
     for (int round = 0; round < slope_rounds; ++round) {
         double products = 0, squares = 0;
@@ -76,9 +76,9 @@ double axis_of(const ProfileSeries& profiles, double hole_radius_mm) {
     const auto is_wide = [&](const Pair& pair) { return pair.d_mm >= wide_part * hole_radius_mm; };
     const auto as_now = pairs_about(frames, 0);
     if (as_now.size() < least_pairs) return 0;
-    const double now = left_by(as_now);
+    const double now = left_by(as_now, turned);
     if (now < much_mm) return 0;
-    double best_mm = 0, least = now / least_fall;
+    double best_mm = 0, least = std::min(now / least_fall, left_by(as_now, askew));
     const int count = int(std::lround(farthest_mm / step_mm));
     for (int k = -count; k <= count; ++k) {
         const auto pairs = pairs_about(frames, k * step_mm);
@@ -86,7 +86,7 @@ double axis_of(const ProfileSeries& profiles, double hole_radius_mm) {
         if (2 * pairs.size() < as_now.size() ||
             double(num_wide) < least_wide_part * double(pairs.size()))
             continue;
-        const double left = left_by(pairs);
+        const double left = left_by(pairs, turned);
         if (left >= least) continue;
         least = left;
         best_mm = k * step_mm;

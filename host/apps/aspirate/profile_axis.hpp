@@ -14,8 +14,9 @@ inline constexpr double found_axis_sd_mm = 0.1;
 ///     median over t, d of |z(c + d, t) - z(c - d, t) - 2 s d|,
 /// s the slope of a camera that is turned, by 0.03 at most; as the tissue rises, c and s part. 0
 /// where that tells nothing: with few pairs as far out as half of `hole_radius_mm`, a c that is
-/// 1.5 mm from r = 0 or farther, a median that is more than half of that about r = 0, or sides that
-/// differ by less than 0.02 mm about r = 0.
+/// 1.5 mm from r = 0 or farther, a median that is more than half of that about r = 0, or more than
+/// that with any slope, as of a tube that is put on askew, or sides that differ by less than
+/// 0.02 mm about r = 0.
 double axis_of(const ProfileSeries& profiles, double hole_radius_mm);
 
 /// Counts r from `axis_mm` on.

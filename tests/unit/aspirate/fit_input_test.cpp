@@ -119,6 +119,11 @@ TEST(ProfileAxis, IsNotMovedByATurnedCamera) {
     }
 }
 
+TEST(ProfileAxis, IsNotMovedByATubeThatIsAskew) {
+    for (const double slope : {0.08, 0.15, -0.3})
+        EXPECT_EQ(axis_of(other_film(1.2, 0.3, slope), radius_mm), 0);
+}
+
 /// A wrong axis is hardly told from a camera that is turned by 0.08, which none is.
 TEST(ProfileAxis, IsMovedWhereTissueHardlyRises) {
     EXPECT_NEAR(axis_of(moved(other_film(1.2, 0.05, 0), -0.6), radius_mm), -0.6, 1e-9);
