@@ -71,11 +71,13 @@ void run_tasks(std::size_t count, int jobs, SharedProgress& progress, Work&& wor
         progress.stop();
     };
     const auto run = [&] {
-        for (std::size_t k = next++; k < count && !progress.is_stopped(); k = next++) try {
+        for (std::size_t k = next++; k < count && !progress.is_stopped(); k = next++) {
+            try {
                 work(k);
             } catch (...) {
                 fail();
             }
+        }
     };
     int num_others = std::max(0, num_threads - 1);
     std::vector<std::jthread> threads;
