@@ -98,6 +98,7 @@ def test_a_model_of_another_film_is_not_to_be_trusted(sucked, tmp_path):
     assert finished.returncode == 7, finished.stdout + finished.stderr
     assert "do not trust the values" in finished.stdout
     result = json.loads((tmp_path / "fit/result.json").read_text())
+    assert not result["search"]["mesh_checked"]  # nor is anything else looked for that nobody would believe
     assert "do not trust" in result["distrust"] and result["models"][0]["distrust"] == result["distrust"]
     assert {one["verdict"] for one in result["parameters"] if not one["is_nuisance"]} == {"not judged"}
     assert result["tissue"]["young_modulus_kpa"]["verdict"] == "not judged"

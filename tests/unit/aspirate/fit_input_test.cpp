@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include "host/apps/aspirate/profile_axis.hpp"
 #include "solver/base/error.hpp"
+#include "tests/unit/report/temporary_folder.hpp"
 
 namespace palpate {
 namespace {
@@ -85,6 +87,19 @@ TEST(FitInput, HeightsBesideTheWallAreThoseOfACurvedProfile) {
 ProfileSeries moved(ProfileSeries frames, double by_mm) {
     move_axis(-by_mm, frames);
     return frames;
+}
+
+using Profiles = TemporaryFolderTest;
+
+TEST_F(Profiles, AreFromLeftToRightInWhateverOrderTheirTableIs) {
+    const auto path = folder / "profiles.csv";
+    std::ofstream(path) << "time_s,r_mm,z_mm,sd_mm\n0,2,1.2,0.01\n0,-1,1.1,0.01\n0,0.5,1.3,0.01\n"
+                           "1,0,1.4,0.01\n1,-3,1.0,0.01\n";
+    const ProfileSeries frames = read_profiles(path);
+    ASSERT_EQ(frames.size(), 2u);
+    EXPECT_EQ(frames[0].points[0].z_mm, 1.1);
+    EXPECT_EQ(frames[0].points[2].z_mm, 1.2);
+    EXPECT_EQ(frames[1].points[0].r_mm, -3);
 }
 
 constexpr double radius_mm = 5;
