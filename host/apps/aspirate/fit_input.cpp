@@ -10,6 +10,7 @@
 #include <iterator>
 #include <optional>
 
+#include "host/apps/aspirate/median.hpp"
 #include "host/apps/aspirate/profile_axis.hpp"
 #include "solver/base/error.hpp"
 
@@ -84,10 +85,7 @@ void warn_of_gaps(const std::vector<double>& times, const std::string& what,
     std::vector<double> steps;
     for (std::size_t k = 1; k < times.size(); ++k) steps.push_back(times[k] - times[k - 1]);
     if (steps.size() < 4) return;
-    std::vector<double> sorted = steps;
-    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2),
-                     sorted.end());
-    const double usual = sorted[sorted.size() / 2];
+    const double usual = median(steps);
     const auto worst = std::max_element(steps.begin(), steps.end());
     if (*worst > long_gap * usual)
         warnings.push_back(fmt::format("{} have a gap of {:.2g} s at {:.4g} s", what, *worst,

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+
+#include "host/apps/aspirate/median.hpp"
 
 namespace palpate {
 namespace {
@@ -61,9 +64,7 @@ double left_by(const std::vector<Pair>& pairs, double most_slope) {
     }
     std::vector<double> left;
     for (const auto& [d, difference] : pairs) left.push_back(std::abs(difference - 2 * slope * d));
-    const auto middle = left.begin() + std::ptrdiff_t(left.size() / 2);
-    std::nth_element(left.begin(), middle, left.end());
-    return *middle;
+    return median(std::move(left));
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "host/apps/aspirate/median.hpp"
+
 namespace palpate {
 namespace {
 
@@ -23,12 +25,6 @@ Terms terms_at(double r_mm, double end_mm) {
     double power = 1;
     for (int k = 0; k < even_terms; ++k, power *= r_mm * r_mm / (end_mm * end_mm)) terms[k] = power;
     return terms;
-}
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 double asymmetry_of(const std::vector<ProfilePoint>& points) {

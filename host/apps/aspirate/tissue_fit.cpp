@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/apps/aspirate/fit_page.hpp"
+#include "host/apps/aspirate/median.hpp"
 #include "host/apps/aspirate/tissue_search.hpp"
 #include "host/apps/compute_options.hpp"
 #include "host/apps/identify/identified_tree.hpp"
@@ -43,12 +44,6 @@ constexpr const char* what_to_check =
     "suction and the times of film and suction, then try other laws";
 constexpr double most_instrument_sd = 3;  ///< of its prior, within which the instrument is believed
 
-double median_of(std::vector<double>& values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 /// What the model leaves beyond the noise in all but the worst tenth of the frames, mm: of each
 /// frame
 ///     sqrt((1.48 median |r|)^2 - (median sd)^2),
@@ -63,8 +58,7 @@ double unexplained_mm(const Fit& fit) {
     }
     std::vector<double> left;
     for (auto& [time_s, frame] : frames) {
-        const double away = sd_over_median * median_of(frame.first),
-                     noise = median_of(frame.second);
+        const double away = sd_over_median * median(frame.first), noise = median(frame.second);
         left.push_back(std::sqrt(std::max(0.0, away * away - noise * noise)));
     }
     std::sort(left.begin(), left.end());
