@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/aspirate/profile_writer.hpp"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -84,10 +85,13 @@ void ProfileWriter::finish() {
 
 void ProfileWriter::write_rows(const Outline& outline, double time_s) {
     const FrameProfile profile = profile_of(outline, time_s, axis_->column, instrument_);
+    const std::string time = fmt::format("{:.4f},", profile.time_s);
     text_.clear();
-    for (const ProfilePoint& point : profile.points)
-        fmt::format_to(std::back_inserter(text_), "{:.4f},{:.4f},{:.5f},{:.5f},{}\n",
-                       profile.time_s, point.r_mm, point.z_mm, point.sd_mm, int(point.flag));
+    for (const ProfilePoint& point : profile.points) {
+        text_ += time;
+        fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{:.4f},{:.5f},{:.5f},{}\n"),
+                       point.r_mm, point.z_mm, point.sd_mm, int(point.flag));
+    }
     write_(text_);
 }
 
