@@ -20,11 +20,7 @@ BackgroundField::BackgroundField(Index width, Index rows) : width_(width), rows_
     residuals_.reserve(std::size_t((width / column_step + 2) * (rows / row_step + 2)));
 }
 
-// 1, u, v, u^2, u v, v^2 with u, v from -1 to 1
-BackgroundField::Vector6 BackgroundField::basis(double u, double v) {
-    return (Vector6() << 1, u, v, u * u, u * v, v * v).finished();
-}
-
+// The basis is 1, u, v, u^2, u v, v^2 with u, v from -1 to 1.
 Eigen::Vector3f BackgroundField::column(Index x) const {
     const double u = 2.0 * double(x) / double(width_) - 1, k = 2.0 / double(rows_);
     const Vector6& c = coefficients_;
@@ -33,23 +29,41 @@ Eigen::Vector3f BackgroundField::column(Index x) const {
     return {float(p0 - p1 + p2), float(k * (p1 - 2 * p2)), float(k * k * p2)};
 }
 
+void BackgroundField::add_column(double u, const double* powers, const double* values) {
+    const double of_u[6] = {1, u, 1, u * u, u, 1};  // times v to the
+    constexpr int of_v[6] = {0, 0, 1, 0, 1, 2};
+    for (int i = 0; i < 6; ++i) {
+        for (int k = 0; k < 6; ++k) normal_(i, k) += of_u[i] * of_u[k] * powers[of_v[i] + of_v[k]];
+        right_[i] += of_u[i] * values[of_v[i]];
+    }
+}
+
 void BackgroundField::gather(const std::vector<float>& columns, Index stride,
                              const std::vector<float>& top, float limit) {
     residuals_.clear();
     for (Index x = 2; x < width_ - 2; x += column_step) {
         const Eigen::Vector3f p = column(x);
-        const double u = 2.0 * double(x) / double(width_) - 1;
+        const double u = 2.0 * double(x) / double(width_) - 1, per_row = 2.0 / double(rows_);
         const Index end = std::min(rows_, Index(std::max(0.0F, top[x])));
+        // Of a column the basis is (1, u, u^2), (v, u v), v^2: sums of powers of v make it all
+        double powers[5] = {}, values[3] = {};
         for (Index y = 1; y < end; y += row_step) {
             const float row = float(y);
             const float value = columns[x * stride + y];
             const float residual = value - (p[0] + row * (p[1] + row * p[2]));
             residuals_.push_back(std::abs(residual));
             if (std::abs(residual) > limit) continue;
-            const Vector6 b = basis(u, 2.0 * double(y) / double(rows_) - 1);
-            normal_.noalias() += b * b.transpose();
-            right_.noalias() += double(value) * b;
+            const double v = per_row * double(y) - 1, grey = double(value), v2 = v * v;
+            powers[0] += 1;
+            powers[1] += v;
+            powers[2] += v2;
+            powers[3] += v2 * v;
+            powers[4] += v2 * v2;
+            values[0] += grey;
+            values[1] += grey * v;
+            values[2] += grey * v2;
         }
+        add_column(u, powers, values);
     }
     if (residuals_.empty()) return;
     const auto middle = residuals_.begin() + std::ptrdiff_t(residuals_.size() / 2);

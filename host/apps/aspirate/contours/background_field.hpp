@@ -29,7 +29,8 @@ public:
 private:
     using Vector6 = Eigen::Matrix<double, 6, 1>;
     using Matrix6 = Eigen::Matrix<double, 6, 6>;
-    static Vector6 basis(double u, double v);
+    /// Pixels of one column: sums of v^0 to v^4, and of grey values times v^0 to v^2.
+    void add_column(double u, const double* powers, const double* values);
     void gather(const std::vector<float>& columns, Index stride, const std::vector<float>& top,
                 float limit);
     void solve();

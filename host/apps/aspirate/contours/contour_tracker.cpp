@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "host/apps/aspirate/contours/edge_fit.hpp"
+#include "host/apps/aspirate/contours/column_loops.hpp"
 #include "host/apps/aspirate/contours/outline_islands.hpp"
 #include "solver/base/error.hpp"
 
@@ -26,21 +26,18 @@ constexpr float darkest_part = 0.5F;  // of the tissue's median light
 constexpr float slope_share = 0.5F, guess_weight = 0.1F;
 constexpr float jump_weight = 0.4F;    // per row from where the frame before lets expect it
 constexpr float most_jump = 12;        // rows
-constexpr Index step_rows = 5;         // that the means of a step are taken of
 constexpr Index far_rows = 3;          // another outline differs by more
 constexpr float least_margin = 9;      // of costs, or the outline is a guess
 constexpr Index edge_reach = 2;        // rows from the path to the steepest place
 constexpr double most_more_reach = 4;  // rows, on a flank
 constexpr double sd_sigmas = 2, most_more = 0.5;  // of its own error, too, half a pixel more
-constexpr double fair_sd = 2.5;  // pixels, of a fitted edge; beyond it the path knows better
+constexpr float fair_sd = 2.5;  // pixels, of a fitted edge; beyond it the path knows better
 // A step that is not the tissue's makes an error of share (|ln of their quotient| - free)
 constexpr float other_share = 1.2, other_free = 0.35;
 constexpr float shape_sigmas = 3;               // of the spread round the shape
 constexpr float least_far = 1.5, most_far = 2;  // pixels from the shape that are too far
 constexpr float misfit_share = 1.7;             // of what a bad fit of the edge could do
 constexpr double texture_share = 0.9;           // of what the tissue's slopes of light could do
-// Least-squares derivative of seven taps (Vuskovic and Kauer), as correlation weights
-constexpr float tap1 = 0.833812F, tap2 = -0.229945F, tap3 = 0.0420264F;
 
 Index searched_rows(const ContourSettings& settings) {
     return std::clamp<Index>(Index(std::floor(settings.visible_rows)) - 2, 0, settings.height - 4);
@@ -72,7 +69,7 @@ ContourTracker::ContourTracker(const ContourSettings& settings)
         field->assign(std::size_t(width_ * stride_), 0.0F);
     for (auto* line :
          {&tissue_, &tissue_new_, &slope_, &top_, &raw_row_, &raw_sd_, &joined_row_, &joined_sd_,
-          &margin_, &weight_, &step_, &misfit_, &last_row_, &last_velocity_})
+          &margin_, &weight_, &step_, &misfit_, &per_variance_, &last_row_, &last_velocity_})
         line->assign(std::size_t(width_), 0.0F);
     window_.reserve(std::size_t(std::max<Index>(64, 2 * width_)));
     is_good_.assign(std::size_t(width_), 0);
@@ -99,15 +96,10 @@ const Outline& ContourTracker::add(const GreyFrame& frame) {
 
 /// Columns side by side, tissue brighter.
 void ContourTracker::load(const GreyFrame& frame) {
-    constexpr Index block = 8;
     const Index end = std::min(rows_ + 4, settings_.height);
-    const bool is_turned = !settings_.is_brighter;
-    for (Index x0 = 0; x0 < width_; x0 += block)
-        for (Index y = 0; y < end; ++y)
-            for (Index x = x0; x < std::min(x0 + block, width_); ++x) {
-                const float grey = frame.grey[y * width_ + x];
-                columns_[x * stride_ + y] = is_turned ? 255 - grey : grey;
-            }
+    turn_columns(frame.grey.data(), width_, end, stride_, columns_.data());
+    if (!settings_.is_brighter)
+        for (float& grey : columns_) grey = 255 - grey;
 }
 
 /// The first frame: background and tissue are not known yet and take turns.
@@ -134,27 +126,13 @@ void ContourTracker::begin() {
 
 /// What pixels show beyond the background, alone and as means of three by three.
 void ContourTracker::smooth_residuals() {
-    for (Index x = 0; x < width_; ++x) {
-        const Eigen::Vector3f p = background_.column(x);
-        const float* grey = &columns_[x * stride_];
-        float* residual = &residual_[x * stride_];
-        float* sum = &column_sum_[x * stride_];
-        for (Index y = 0; y < rows_ + 4; ++y) {
-            const float row = float(y);
-            residual[y] = grey[y] - (p[0] + row * (p[1] + row * p[2]));
-        }
-        sum[0] = 1.5F * (residual[0] + residual[1]);
-        for (Index y = 1; y < rows_ + 3; ++y)
-            sum[y] = residual[y - 1] + residual[y] + residual[y + 1];
-    }
-    for (Index x = 0; x < width_; ++x) {
-        const float* left = &column_sum_[std::max<Index>(x - 1, 0) * stride_];
-        const float* middle = &column_sum_[x * stride_];
-        const float* right = &column_sum_[std::min(x + 1, width_ - 1) * stride_];
-        float* out = &smooth_[x * stride_];
-        for (Index y = 0; y < rows_ + 3; ++y)
-            out[y] = (left[y] + middle[y] + right[y]) * (1.0F / 9);
-    }
+    for (Index x = 0; x < width_; ++x)
+        take_background(&columns_[x * stride_], background_.column(x).data(), rows_ + 4,
+                        &residual_[x * stride_], &column_sum_[x * stride_]);
+    for (Index x = 0; x < width_; ++x)
+        mean_of_nine(&column_sum_[std::max<Index>(x - 1, 0) * stride_], &column_sum_[x * stride_],
+                     &column_sum_[std::min(x + 1, width_ - 1) * stride_], rows_ + 3,
+                     &smooth_[x * stride_]);
     // Noise of the means, with what the field does not follow: above the last outline
     window_.clear();
     for (Index x = 2; x < width_ - 2; x += 4)
@@ -169,34 +147,21 @@ void ContourTracker::smooth_residuals() {
 }
 
 /// Into the costs: for "rows before y are background, the others tissue" the sum over rows before
-/// y of the evidence for tissue,
-///     e = min(d^2 / 2, 8) - min(t^2 / 2, 4) - ln(sd_t / sd_b) / 2,
-/// d, t in standard deviations from background and tissue. Both are bounded.
+/// y of the evidence for tissue.
 void ContourTracker::weigh_pixels() {
-    const float sigma = std::max(smooth_sigma_, 0.4F);
+    EvidenceScales scales{.sigma = std::max(smooth_sigma_, 0.4F),
+                          .most = most_evidence,
+                          .least = most_against,
+                          .factor = temperature};
     for (Index x = 0; x < width_; ++x) {
         const float spread = std::min(tissue_sd_, most_spread * tissue_[x]);
-        const float tissue_sd = std::sqrt(sigma * sigma + spread * spread);
-        const float per_sigma = 1 / sigma, per_sd = 1 / tissue_sd, tissue = tissue_[x];
-        const float width_term = 0.5F * std::log(tissue_sd / sigma);
+        scales.tissue = tissue_[x];
+        scales.sd = std::sqrt(scales.sigma * scales.sigma + spread * spread);
         float* evidence = &column_sum_[x * stride_];
         const float* smooth = &smooth_[x * stride_];
-        for (Index y = 0; y < rows_; ++y) {
-            const float d = smooth[y] * per_sigma, t = (smooth[y] - tissue) * per_sd;
-            const float from_background = 0.5F * d * d, from_tissue = 0.5F * t * t;
-            float e = (from_background < 8 ? from_background : 8) -
-                      (from_tissue < 4 ? from_tissue : 4) - width_term;
-            e = e < most_evidence ? e : most_evidence;
-            evidence[y] = temperature * (e > -most_against ? e : -most_against);
-        }
-        still_.hush(x, smooth, sigma, evidence);
-        float* cost = &search_.cost()[x * search_.stride()];
-        float sum = 0;
-        for (Index y = 0; y < rows_; ++y) {
-            cost[y] = sum;
-            sum += evidence[y];
-        }
-        cost[rows_] = sum;
+        pixel_evidence(smooth, scales, rows_, evidence);
+        still_.hush(x, smooth, scales.sigma, evidence);
+        sum_before(evidence, rows_, &search_.cost()[x * search_.stride()]);
     }
 }
 
@@ -204,41 +169,16 @@ void ContourTracker::weigh_pixels() {
 /// tissue's edge should have, and costs of jumps.
 void ContourTracker::weigh_steps() {
     for (Index x = 0; x < width_; ++x) {
-        const float* r = &residual_[x * stride_];
         float* cost = &search_.cost()[x * search_.stride()];
         const float contrast = std::max(full_part * tissue_[x], 5 * smooth_sigma_);
-        const float per_step = step_reward / (contrast * float(step_rows));
-        const float per_slope = derivative_reward / (0.35F * contrast);
-        float above = 0, below = 0;
-        for (Index k = 0; k < step_rows; ++k) {
-            above += r[k];
-            below += r[k + step_rows];
-        }
-        float* steps = &column_sum_[x * stride_];
-        for (Index y = step_rows; y + step_rows <= rows_ + 3; ++y) {
-            steps[y] = (below - above) * per_step;
-            above += r[y] - r[y - step_rows];
-            below += r[std::min(y + step_rows, rows_ + 3)] - r[y];
-        }
-        const Index end = rows_ - 2;
-        for (Index y = step_rows; y < end; ++y) {
-            // between rows y - 1 and y
-            const float slope = 0.5F * (tap1 * (r[y + 1] + r[y] - r[y - 1] - r[y - 2]) +
-                                        tap2 * (r[y + 2] + r[y + 1] - r[y - 2] - r[y - 3]) +
-                                        tap3 * (r[y + 3] + r[y + 2] - r[y - 3] - r[y - 4]));
-            float a = steps[y], b = slope * per_slope;
-            a = a > 0 ? a : 0;
-            b = b > 0 ? b : 0;
-            cost[y] -= (a < step_reward ? a : step_reward) +
-                       (b < derivative_reward ? b : derivative_reward);
-        }
-        if (!has_last_) continue;
-        const float weight = outline_[x].flag == PointFlag::ok ? jump_weight : guess_weight;
-        const float expected = last_row_[x] + last_velocity_[x] + 0.5F;
-        for (Index y = 0; y <= rows_; ++y) {
-            const float away = float(y) < expected ? expected - float(y) : float(y) - expected;
-            cost[y] += weight * (away < most_jump ? away : most_jump);
-        }
+        reward_steps(&residual_[x * stride_],
+                     {step_reward / (contrast * 5), step_reward,
+                      derivative_reward / (0.35F * contrast), derivative_reward},
+                     rows_, &column_sum_[x * stride_], cost);
+        if (has_last_)
+            add_jumps(last_row_[x] + last_velocity_[x] + 0.5F,
+                      outline_[x].flag == PointFlag::ok ? jump_weight : guess_weight, most_jump,
+                      rows_, cost);
     }
 }
 
@@ -288,8 +228,8 @@ void ContourTracker::learn_tissue() {
 }
 
 void ContourTracker::fit_edges() {
-    double with_width = 0, width_squares = 0, variances = 0;
-    Index num_fitted = 0;
+    places_.clear();
+    fitted_columns_.clear();
     for (Index x = 0; x < width_; ++x) {
         const Index y = visible_row(x);
         is_good_[x] = 0;
@@ -310,30 +250,38 @@ void ContourTracker::fit_edges() {
         for (Index at = std::max<Index>(2, y - reach); at <= std::min(y + reach, rows_ - 1); ++at)
             if (slope(at) > slope(steepest)) steepest = at;
         const double widened = std::sqrt(1 + std::min(tilt * tilt, 9.0));
-        const FittedEdge edge =
-            fit_edge(r, rows_ + 3, double(steepest) - 0.5, blur_ * widened, 0, background_.sigma());
+        places_.push_back({r, steepest, float(blur_ * widened)});
+        fitted_columns_.push_back(x);
+    }
+    edges_.resize(places_.size());
+    palpate::fit_edges(places_, rows_ + 3, background_.sigma(), edges_);
+
+    double with_width = 0, width_squares = 0;
+    Index num_fitted = 0;
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+        const Index x = fitted_columns_[k];
+        const FittedEdge& edge = edges_[k];
         is_good_[x] = 1;
         if (edge.sd > fair_sd) {  // no edge to be fitted: where the path is
-            raw_sd_[x] = float(fair_sd);
+            raw_sd_[x] = fair_sd;
             misfit_[x] = 1;
             step_[x] = 2 * smooth_sigma_;
             continue;
         }
-        raw_row_[x] = float(edge.row);
-        raw_sd_[x] = float(edge.sd);
-        step_[x] = float(edge.step);
+        raw_row_[x] = edge.row;
+        raw_sd_[x] = edge.sd;
+        step_[x] = edge.step;
         // What the residuals have beyond noise, as rows: over the steepest slope of the edge
-        const double noise = background_.sigma() * background_.sigma() * 2.5;
-        const double misfit = std::sqrt(std::max(0.0, edge.variance - noise)) * blur_ * widened /
-                              (0.4 * std::max(4.0, edge.step));
+        const float noise = background_.sigma() * background_.sigma() * 2.5F;
+        const float misfit = std::sqrt(std::max(0.0F, edge.variance - noise)) * places_[k].width /
+                             (0.4F * std::max(4.0F, edge.step));
         // and a step that is not the tissue's: a stain's, a glare's
-        const double other =
-            std::abs(std::log(std::max(1.0, edge.step) / std::max(1.0F, tissue_[x])));
+        const float other =
+            std::abs(std::log(std::max(1.0F, edge.step) / std::max(1.0F, tissue_[x])));
         misfit_[x] =
-            float(std::min(misfit, 2.0) + std::clamp(other_share * (other - other_free), 0.0, 2.0));
-        with_width += edge.slope_of_width;
-        width_squares += edge.weight_of_width;
-        variances += edge.variance;
+            std::min(misfit, 2.0F) + std::clamp(other_share * (other - other_free), 0.0F, 2.0F);
+        with_width += double(edge.slope_of_width);
+        width_squares += double(edge.weight_of_width);
         ++num_fitted;
     }
     if (num_fitted > width_ / 8 && width_squares > 0)
@@ -355,19 +303,21 @@ void ContourTracker::fit_edges() {
 
 /// A parabola through the columns round each, weighted by 1 / sd^2: its value there.
 void ContourTracker::join_columns() {
+    for (Index x = 0; x < width_; ++x) per_variance_[x] = 1 / (raw_sd_[x] * raw_sd_[x] + 4e-4F);
     for (Index x = 0; x < width_; ++x) {
         joined_row_[x] = raw_row_[x];
         joined_sd_[x] = raw_sd_[x];
         if (!is_good_[x]) continue;
         const Index half = std::clamp<Index>(Index(4 + 6 * raw_sd_[x]), 4, 9);
+        const double per_reach = 1 / double(half + 1);
         double s[5] = {}, v[3] = {}, squares = 0, sum_of_weights = 0, misfits = 0;
         Index count = 0;
         for (Index k = -half; k <= half; ++k) {
             const Index at = x + k;
             if (at < 0 || at >= width_ || !is_good_[at]) continue;
             if (std::abs(raw_row_[at] - raw_row_[x]) > 4 + 3 * std::abs(float(k))) continue;
-            const double u = double(k) / double(half + 1), kernel = 1 - u * u;
-            const double sd = raw_sd_[at], w = kernel / (sd * sd + 4e-4);
+            const double u = double(k) * per_reach, kernel = 1 - u * u;
+            const double w = kernel * per_variance_[at];
             const double value = raw_row_[at] - raw_row_[x];
             double power = w;
             for (int n = 0; n < 5; ++n, power *= double(k)) {

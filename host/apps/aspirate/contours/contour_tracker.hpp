@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/apps/aspirate/contours/background_field.hpp"
+#include "host/apps/aspirate/contours/edge_fit.hpp"
 #include "host/apps/aspirate/contours/outline.hpp"
 #include "host/apps/aspirate/contours/outline_search.hpp"
 #include "host/apps/aspirate/contours/outline_shape.hpp"
@@ -58,8 +59,11 @@ private:
     float tissue_sd_ = 20, smooth_sigma_ = 1;
     double blur_ = 1.1, texture_ = 1;
     std::vector<float> top_, raw_row_, raw_sd_, joined_row_, joined_sd_, margin_, weight_, step_,
-        misfit_, last_row_, last_velocity_;
+        misfit_, per_variance_, last_row_, last_velocity_;
     std::vector<char> is_good_;
+    std::vector<EdgePlace> places_;  ///< of the columns fitted_columns_
+    std::vector<FittedEdge> edges_;
+    std::vector<Index> fitted_columns_;
     Outline outline_;
 };
 

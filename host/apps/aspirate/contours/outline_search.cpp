@@ -5,10 +5,60 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/base/multiversion.hpp"
+
 namespace palpate {
 namespace {
 
 constexpr float unreachable = 1e9F;
+constexpr Index reach = OutlineSearch::reach;
+
+float least_of(float a, float b) { return a < b ? a : b; }
+
+/// min over d of from[y + d] + bend[d], counted from 0.
+inline float best_step(const float* from, const OutlineSearch::Bend& bend, Index y) {
+    static_assert(reach == 4);
+    return least_of(least_of(least_of(least_of(from[y] + bend[0], from[y + 1] + bend[1]),
+                                      least_of(from[y + 2] + bend[2], from[y + 3] + bend[3])),
+                             least_of(least_of(from[y + 4] + bend[4], from[y + 5] + bend[5]),
+                                      least_of(from[y + 6] + bend[6], from[y + 7] + bend[7]))),
+                    from[y + 8] + bend[8]);
+}
+
+/// The next column of F or G, `reach` rows after the begin of `from` and `out`; returns its least.
+PALPATE_MULTIVERSION
+float step_forward(const float* from, OutlineSearch::Bend bend, const float* cost, Index rows,
+                   float* out) {
+    float least = unreachable;
+    for (Index y = 0; y < rows; ++y) {
+        const float value = best_step(from, bend, y) + cost[y];
+        out[y + reach] = value;
+        least = least_of(least, value);
+    }
+    return least;
+}
+
+/// The same, and F + G of the column: returns the least of both.
+PALPATE_MULTIVERSION
+std::array<float, 2> step_back(const float* from, OutlineSearch::Bend bend, const float* cost,
+                               const float* forward, Index rows, float* out, float* total) {
+    float least = unreachable, least_total = unreachable;
+    for (Index y = 0; y < rows; ++y) {
+        const float step = best_step(from, bend, y), value = step + cost[y];
+        const float sum = step + forward[y + reach];
+        out[y + reach] = value;
+        total[y] = sum;
+        least = least_of(least, value);
+        least_total = least_of(least_total, sum);
+    }
+    return {least, least_total};
+}
+
+/// Of values that have grown by `least`, which is taken off again.
+OutlineSearch::Bend lower_by(float least, OutlineSearch::Bend bend) {
+    for (float& one : bend) one -= least;
+    return bend;
+}
 
 }  // namespace
 
@@ -21,7 +71,7 @@ OutlineSearch::OutlineSearch(Index width, Index rows)
       forward_(std::size_t(width * stride_), unreachable),
       total_(std::size_t(width * stride_), unreachable),
       next_(std::size_t(stride_), unreachable),
-      spread_(std::size_t(stride_), unreachable),
+      after_(std::size_t(stride_), unreachable),
       bend_(std::size_t(width)),
       path_(std::size_t(width), 0) {}
 
@@ -33,59 +83,30 @@ void OutlineSearch::set_bend(const std::vector<float>& slope, float weight, floa
         }
 }
 
-void OutlineSearch::spread(const float* from, const std::array<float, 2 * reach + 1>& bend,
-                           Index sign, float* out) const {
-    const Index rows = rows_;
-    const float* middle = from + reach;
-    float* const result = out + reach;
-    for (Index y = 0; y < rows; ++y) result[y] = middle[y] + bend[reach];
-    for (Index d = -reach; d <= reach; ++d) {
-        if (d == 0) continue;
-        const float added = bend[d + reach];
-        const float* moved = middle - sign * d;
-        for (Index y = 0; y < rows; ++y) {
-            const float value = moved[y] + added;
-            result[y] = value < result[y] ? value : result[y];
-        }
-    }
-}
-
 // F_x(y) = c_x(y) + min_d F_{x-1}(y - d) + bend_x(d);  G_x(y) = min_d c_{x+1}(y + d) +
 // G_{x+1}(y + d) + bend_{x+1}(d);  F + G is the cost of the best path through (x, y).
 void OutlineSearch::run() {
     const Index rows = rows_;
-    for (Index x = 0; x < width_; ++x) {
-        float* f = &forward_[x * stride_];
-        const float* c = &cost_[x * stride_];
-        if (x == 0) {
-            for (Index y = 0; y < rows; ++y) f[y + reach] = c[y];
-            continue;
-        }
-        spread(&forward_[(x - 1) * stride_], bend_[x], 1, f);
-        float least = unreachable;
-        for (Index y = 0; y < rows; ++y) {
-            f[y + reach] += c[y];
-            least = f[y + reach] < least ? f[y + reach] : least;
-        }
-        for (Index y = 0; y < rows; ++y) f[y + reach] -= least;
+    std::copy_n(cost_.begin(), rows, forward_.begin() + reach);
+    float least = *std::min_element(cost_.begin(), cost_.begin() + rows);
+    for (Index x = 1; x < width_; ++x) {
+        Bend down;  // a step of d rows to y began at y - d
+        std::reverse_copy(bend_[x].begin(), bend_[x].end(), down.begin());
+        least = step_forward(&forward_[(x - 1) * stride_], lower_by(least, down),
+                             &cost_[x * stride_], rows, &forward_[x * stride_]);
     }
-    std::fill(spread_.begin(), spread_.end(), unreachable);
-    std::fill(next_.begin(), next_.end(), unreachable);
-    for (Index y = 0; y < rows; ++y) spread_[y + reach] = 0;
+    Bend bend{};  // behind the last column all is free
+    std::fill_n(next_.begin() + reach, rows, 0.0F);
+    least = 0;
     for (Index x = width_ - 1; x >= 0; --x) {
-        if (x + 1 < width_) spread(next_.data(), bend_[x + 1], -1, spread_.data());
-        float* t = &total_[x * stride_];
-        const float* f = &forward_[x * stride_];
-        const float* c = &cost_[x * stride_];
-        float least = unreachable;
-        for (Index y = 0; y < rows; ++y) {
-            t[y] = f[y + reach] + spread_[y + reach];
-            const float value = spread_[y + reach] + c[y];
-            next_[y + reach] = value;
-            least = value < least ? value : least;
-        }
-        for (Index y = 0; y < rows; ++y) next_[y + reach] -= least;
-        path_[x] = std::min_element(t, t + rows) - t;
+        float* total = &total_[x * stride_];
+        const auto [least_next, least_total] =
+            step_back(next_.data(), lower_by(least, bend), &cost_[x * stride_],
+                      &forward_[x * stride_], rows, after_.data(), total);
+        next_.swap(after_);
+        least = least_next;
+        bend = bend_[x];
+        path_[x] = std::find(total, total + rows, least_total) - total;
     }
 }
 

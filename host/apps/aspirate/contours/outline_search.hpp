@@ -14,7 +14,8 @@ namespace palpate {
 /// column the cost of the best path through it.
 class OutlineSearch {
 public:
-    static constexpr Index reach = 4;  ///< rows from column to column, at most
+    static constexpr Index reach = 4;               ///< rows from column to column, at most
+    using Bend = std::array<float, 2 * reach + 1>;  ///< costs of a step of -reach to reach rows
 
     /// `rows` of each column can be chosen.
     OutlineSearch(Index width, Index rows);
@@ -33,13 +34,9 @@ public:
     void margins(Index far, std::vector<float>& margin) const;
 
 private:
-    /// out[y] = min over d of from[y - sign d] + bend[d], all rows.
-    void spread(const float* from, const std::array<float, 2 * reach + 1>& bend, Index sign,
-                float* out) const;
-
     Index width_, rows_, stride_;
-    std::vector<float> cost_, forward_, total_, next_, spread_;
-    std::vector<std::array<float, 2 * reach + 1>> bend_;
+    std::vector<float> cost_, forward_, total_, next_, after_;
+    std::vector<Bend> bend_;
     std::vector<Index> path_;
 };
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/base/multiversion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -15,7 +17,11 @@ constexpr int first_rounds = 8, rounds = 3;
 
 }  // namespace
 
-OutlineShape::OutlineShape(Index width) : table_(std::size_t(width)) {
+OutlineShape::OutlineShape(Index width)
+    : table_(std::size_t(width)),
+      products_(std::size_t(width)),
+      weights_(std::size_t(width)),
+      rows_(std::size_t(width)) {
     sizes_.reserve(std::size_t(width));
 }
 
@@ -30,9 +36,7 @@ OutlineShape::Terms OutlineShape::terms(Index x) const {
     return p;
 }
 
-double OutlineShape::row(Index x) const {
-    return coefficients_.dot(terms(std::clamp(x, first_, last_)));
-}
+double OutlineShape::row(Index x) const { return rows_[std::clamp(x, first_, last_)]; }
 
 double OutlineShape::spread_of(const std::vector<float>& rows, const std::vector<float>& weights) {
     sizes_.clear();
@@ -45,19 +49,32 @@ double OutlineShape::spread_of(const std::vector<float>& rows, const std::vector
     return std::max(least_spread, 1.4826 * *middle);
 }
 
+// sums = sum over columns of w p, p the products of the terms of a column
+PALPATE_MULTIVERSION
+void OutlineShape::add_up(const Products* products, const double* weights, Index count,
+                          Products& sums) {
+    for (double& sum : sums) sum = 0;
+    for (Index x = 0; x < count; ++x)
+        for (int k = 0; k < num_products; ++k) sums[k] += weights[x] * products[x][k];
+}
+
 void OutlineShape::solve(const std::vector<float>& rows, const std::vector<float>& weights,
                          double scale, bool is_redescending) {
-    Eigen::Matrix<double, num_terms, num_terms> normal =
-        Eigen::Matrix<double, num_terms, num_terms>::Zero();
     Terms right = Terms::Zero();
     for (Index x = first_; x <= last_; ++x) {
+        double& w = weights_[x];
+        w = 0;
         if (!(weights[x] > 0)) continue;
         const double u = (rows[x] - coefficients_.dot(table_[x])) / scale;
         const double tukey = std::abs(u) < 4.7 ? std::pow(1 - u * u / (4.7 * 4.7), 2) : 0;
-        const double w = weights[x] * (is_redescending ? tukey : 1 / std::max(0.3, std::abs(u)));
-        normal.noalias() += w * table_[x] * table_[x].transpose();
+        w = weights[x] * (is_redescending ? tukey : 1 / std::max(0.3, std::abs(u)));
         right.noalias() += w * double(rows[x]) * table_[x];
     }
+    Products sums;
+    add_up(&products_[first_], &weights_[first_], last_ - first_ + 1, sums);
+    Eigen::Matrix<double, num_terms, num_terms> normal;
+    for (int i = 0, at = 0; i < num_terms; ++i)
+        for (int k = 0; k <= i; ++k, ++at) normal(i, k) = normal(k, i) = sums[at];
     const int used =
         std::clamp(least_terms + int(last_ - first_) / columns_per_term, least_terms, num_terms);
     // High terms are small; columns that are left out must not let them go anywhere.
@@ -67,9 +84,16 @@ void OutlineShape::solve(const std::vector<float>& rows, const std::vector<float
 
 void OutlineShape::fit(const std::vector<float>& rows, const std::vector<float>& weights,
                        Index first, Index last) {
-    first_ = first;
-    last_ = std::max(last, first + 1);
-    for (Index x = first_; x <= last_; ++x) table_[x] = terms(x);
+    last = std::max(last, first + 1);
+    if (first != first_ || last != last_) {
+        first_ = first;
+        last_ = last;
+        for (Index x = first_; x <= last_; ++x) {
+            table_[x] = terms(x);
+            for (int i = 0, at = 0; i < num_terms; ++i)
+                for (int k = 0; k <= i; ++k, ++at) products_[x][at] = table_[x][i] * table_[x][k];
+        }
+    }
     if (!is_fitted_) {
         for (int round = 0; round < first_rounds; ++round)
             solve(rows, weights, round ? spread_of(rows, weights) : 1e3, false);
@@ -81,6 +105,7 @@ void OutlineShape::fit(const std::vector<float>& rows, const std::vector<float>&
     for (int round = 0; round < rounds; ++round)
         solve(rows, weights, std::min(2.0, spread_of(rows, weights)), true);
     spread_ = spread_of(rows, weights);
+    for (Index x = first_; x <= last_; ++x) rows_[x] = coefficients_.dot(table_[x]);
 }
 
 }  // namespace palpate

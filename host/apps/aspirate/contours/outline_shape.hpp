@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "solver/base/types.hpp"
@@ -30,16 +31,22 @@ public:
 
 private:
     using Terms = Eigen::Matrix<double, num_terms, 1>;
+    static constexpr int num_products = num_terms * (num_terms + 1) / 2;
+    using Products = std::array<double, num_products>;  ///< of two terms each, lower triangle
+    static void add_up(const Products* products, const double* weights, Index count,
+                       Products& sums);
     Terms terms(Index x) const;
     void solve(const std::vector<float>& rows, const std::vector<float>& weights, double scale,
                bool is_redescending);
     double spread_of(const std::vector<float>& rows, const std::vector<float>& weights);
 
-    Index first_ = 0, last_ = 1;
+    Index first_ = 0, last_ = 0;  ///< columns; equal before the first fit
     bool is_fitted_ = false;
     double spread_ = 1;
     Terms coefficients_ = Terms::Zero();
     std::vector<Terms, Eigen::aligned_allocator<Terms>> table_;
+    std::vector<Products> products_;
+    std::vector<double> weights_, rows_;
     std::vector<float> sizes_;
 };
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "solver/base/multiversion.hpp"
+
 namespace palpate {
 namespace {
 
@@ -21,6 +23,7 @@ StillThings::StillThings(Index width, Index rows, Index stride)
       mean_(std::size_t(width * stride), 0.0F),
       share_(std::size_t(width * stride), 1.0F) {}
 
+PALPATE_MULTIVERSION
 void StillThings::learn(const std::vector<float>& smooth, const std::vector<float>& top) {
     for (Index x = 0; x < width_; ++x) {
         const Index end = std::clamp<Index>(Index(top[x]), 0, rows_);
@@ -35,6 +38,7 @@ void StillThings::learn(const std::vector<float>& smooth, const std::vector<floa
     }
 }
 
+PALPATE_MULTIVERSION
 void StillThings::hush(Index x, const float* smooth, float sigma, float* evidence) const {
     const float* mean = &mean_[x * stride_];
     const float seen = seen_sigmas * sigma, changed = changed_sigmas * sigma;
