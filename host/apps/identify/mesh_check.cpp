@@ -65,11 +65,14 @@ void correct(const std::vector<Eigen::VectorXd>& shifts, IdentifiedExperiment& f
     std::string far;
     for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
         const IdentifiedParameter& one = found.identified.parameters[k];
-        const double sd = std::hypot(one.sd, model_sd.size() > 0 ? model_sd[Eigen::Index(k)] : 0.0);
-        if (std::abs(one.discretisation_shift) > sd && !one.parameter.is_nuisance)
+        const auto at = Eigen::Index(k);
+        const double sd = std::hypot(one.sd, model_sd.size() > 0 ? model_sd[at] : 0.0);
+        double squares = 0;  // shifts of opposite signs may hide each other in their sum
+        for (const Eigen::VectorXd& shift : shifts) squares += shift[at] * shift[at];
+        const double size = std::max(std::abs(one.discretisation_shift), std::sqrt(squares));
+        if (size > sd && !one.parameter.is_nuisance)
             far += fmt::format("{}{} by {:.1f} sd", far.empty() ? "" : ", ",
-                               harmless(label_of(one.parameter)),
-                               std::abs(one.discretisation_shift) / sd);
+                               harmless(label_of(one.parameter)), size / sd);
     }
     if (!far.empty())
         found.mesh_check_sentence +=

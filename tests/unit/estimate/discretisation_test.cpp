@@ -63,6 +63,17 @@ TEST(Discretisation, AnErrorOfSecondOrderIsTakenOutAndLeavesItsShareInTheInterva
     EXPECT_NEAR(other.parameters[0].discretisation_sd, small[0] / 3, 1e-12);
 }
 
+TEST(Discretisation, ShiftsThatHideEachOtherAreNoLessUnknown) {
+    const ToyProblem problem = stretched(0, 2);
+    const Fit found = fit(problem, {});
+    Identified known = identify(problem, found, {});
+    const double much = 10 * known.parameters[0].sd;
+    correct_for_discretisation(
+        {Eigen::VectorXd::Constant(1, much), Eigen::VectorXd::Constant(1, -much)}, found, known);
+    EXPECT_NEAR(known.parameters[0].discretisation_shift, 0, 1e-12);
+    EXPECT_NEAR(known.parameters[0].discretisation_sd, std::sqrt(2.0) * much, 1e-12);
+}
+
 TEST(Discretisation, AnIntervalThatItWidensBeyondAFactorOfTwoIsRecoveredNoLonger) {
     const ToyProblem problem = stretched(0, 2);
     const Fit found = fit(problem, {});
