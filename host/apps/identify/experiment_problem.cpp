@@ -91,7 +91,8 @@ std::shared_ptr<const SimulationResult> ExperimentProblem::simulate(const Experi
     if (!wish.guesses.empty()) limit_trial(settings.newton);
     ++num_simulation_;
     wish.fills_cells = false;
-    return std::make_shared<const SimulationResult>(run_simulation(settings, {}, wish));
+    const auto ask_only = [this](const Progress&) { check_cancelled(progress_); };
+    return std::make_shared<const SimulationResult>(run_simulation(settings, ask_only, wish));
 }
 
 std::vector<Eigen::VectorXd> ExperimentProblem::read_off(const ExperimentSetup& setup,
