@@ -86,6 +86,22 @@ TEST(OutlinesThatFloat, AreNoneOverTissueOrWithoutDoubt) {
         EXPECT_EQ(floating(few, 16), few);
 }
 
+TEST(OutlinesThatFloat, AreNoneWhereTissueGrowsDarkWithDepth) {
+    constexpr Index rows = 90;
+    const std::vector<float> tissue(180, 50.0F);
+    for (const double fall : {0.01, 0.02, 0.03, 0.05}) {  // of the light, per row
+        std::vector<float> beyond(std::size_t(180 * rows), 0.0F);
+        for (std::size_t x = 0; x < 180; ++x)
+            for (std::size_t y = 10; y < rows; ++y)
+                beyond[x * rows + y] = float(55 * std::exp(-fall * double(y - 10)));
+        Outline outline = outline_of("hhgggggoooooooooggggooooo");
+        const Outline before = outline;
+        flag_floating({beyond, rows, rows, 1, tissue}, outline);
+        for (std::size_t x = 0; x < outline.size(); ++x)
+            EXPECT_EQ(outline[x].flag, before[x].flag) << fall;
+    }
+}
+
 /// A parabola 50 rows high over 150 columns, with a bite of `depth` rows from column 60 to 79.
 Outline cap_with_bite(double depth) {
     Outline outline(180, {101, 0.1, PointFlag::hidden});

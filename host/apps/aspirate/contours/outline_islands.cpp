@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t columns_over_island = 45;  // 4 columns of a frame 180 wide
 constexpr Index below_edge = 6, gap_rows = 3;    // blur is left behind; rows of background
 constexpr float gap_sigmas = 3, gap_part = 0.4F, floating_part = 0.6F;
+constexpr Index fall_rows = 6;
+constexpr float fall_factor = 1.4F;
 constexpr double floating_sd = 2;  // rows, at least
 constexpr std::size_t least_points = 20, columns_over_bite = 3;
 constexpr double bite_depth = 2.5, bite_edge = 1, above_visible = 6;  // rows
@@ -27,15 +29,19 @@ std::size_t doubted_run(const Outline& outline, std::ptrdiff_t from, std::ptrdif
     return count;
 }
 
-/// Whether some rows below the outline are background.
+/// Whether some rows below the outline are background, which begins directly below its blur or
+/// with a fall of light: where tissue grows dark with depth light falls slowly.
 bool is_over_gap(const BeyondBackground& beyond, Index x, double row) {
     const float* grey = &beyond.grey[std::size_t(x * beyond.stride)];
     const float most =
         std::max(gap_sigmas * beyond.sigma, gap_part * beyond.tissue[std::size_t(x)]);
-    Index run = 0;
-    for (auto y = Index(std::ceil(row)) + below_edge; y < beyond.rows && run < gap_rows; ++y)
-        run = std::abs(grey[y]) < most ? run + 1 : 0;
-    return run == gap_rows;
+    const Index first = Index(std::ceil(row)) + below_edge;
+    Index run = 0, y = first;
+    for (; y < beyond.rows && run < gap_rows; ++y) run = std::abs(grey[y]) < most ? run + 1 : 0;
+    if (run < gap_rows) return false;
+    const Index begin = y - gap_rows;
+    return begin == first || *std::max_element(grey + std::max(first, begin - fall_rows),
+                                               grey + begin) > fall_factor * most;
 }
 
 }  // namespace
