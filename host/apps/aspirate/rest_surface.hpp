@@ -20,7 +20,7 @@ struct FoundRest {
 /// down to the rim like a wall would fold the cells below it.
 double hidden_height(double r_mm, double z_mm, double end_mm);
 
-/// A polynomial of four even terms through the points without a flag of both sides, by weighted
+/// A polynomial of five even terms through the points without a flag of both sides, by weighted
 /// least squares with Tukey's biweight, that ends at the rim (z = 0 where the rounded edge begins):
 /// what the rim hides is guessed so.
 ///   lowest_mm   points below are left out: the line of visibility

@@ -101,8 +101,23 @@ void bound_outer_part(double last_mm, RestSurface& rest) {
     }
 }
 
+/// Linear between its points.
+double height_at(const RestSurface& surface, double r_mm) {
+    const auto right = std::upper_bound(surface.r_mm.begin(), surface.r_mm.end() - 1, r_mm);
+    const auto k = std::size_t(std::max<std::ptrdiff_t>(1, right - surface.r_mm.begin()));
+    const double share = (r_mm - surface.r_mm[k - 1]) / (surface.r_mm[k] - surface.r_mm[k - 1]);
+    return surface.z_mm[k - 1] + share * (surface.z_mm[k] - surface.z_mm[k - 1]);
+}
+
 /// "of term 2" from the second term of the relaxation on.
 std::string of_term(const std::string& number) { return number == "1" ? "" : " of term " + number; }
+
+/// Profiles from elsewhere have no columns.
+double axis_sd_mm(const AspirationSettings& settings) {
+    const double pixel_mm = settings.pixel_r_um.value / 1000;
+    return settings.instrument.axis_column_px && pixel_mm > 0 ? told_axis_sd_px * pixel_mm
+                                                              : found_axis_sd_mm;
+}
 
 /// The r of each place of `rest_error`, as they stand in a text of `rest_error_text`.
 std::vector<std::string> places_in(const std::string& text) {
@@ -159,6 +174,7 @@ bool is_rest_error(const std::string& path) { return path.find("rest_error") != 
 double move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
     std::vector<double> r_mm = hidden_places_of(sucked), z_mm = by_mm;
     const std::vector<double> before_mm = sucked.rest.z_mm;
+    std::vector<double> wanted_mm = before_mm;
     if (sucked.seen_to_mm > 0) {
         r_mm.insert(r_mm.begin(), sucked.seen_to_mm);
         z_mm.insert(z_mm.begin(), 0);
@@ -171,8 +187,8 @@ double move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
         for (std::size_t p = 1; p < r_mm.size(); ++p) {
             const double share = (rest.r_mm[k] - r_mm[p - 1]) / (r_mm[p] - r_mm[p - 1]);
             if (share < 0 || share >= 1) continue;
-            const double z = rest.z_mm[k] + z_mm[p - 1] + share * (z_mm[p] - z_mm[p - 1]);
-            rest.z_mm[k] = hidden_height(rest.r_mm[k], z, end_mm);
+            wanted_mm[k] += z_mm[p - 1] + share * (z_mm[p] - z_mm[p - 1]);
+            rest.z_mm[k] = hidden_height(rest.r_mm[k], wanted_mm[k], end_mm);
         }
     // Behind what is seen it falls outwards, at most by 45 degrees.
     for (std::size_t k = rest.r_mm.size() - 1; k-- > 0 && rest.r_mm[k] > sucked.seen_to_mm;) {
@@ -181,8 +197,17 @@ double move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
             std::clamp(rest.z_mm[k], outer_mm, outer_mm + rest.r_mm[k + 1] - rest.r_mm[k]);
     }
     bound_outer_part(r_mm[r_mm.size() - 2], rest);
+    // What tissue cannot do it has not done: the prior counts from where it is.
+    RestSurface wanted{rest.r_mm, wanted_mm}, moved = rest;
+    for (std::size_t k = 0; k < before_mm.size(); ++k) {
+        wanted.z_mm[k] -= before_mm[k];
+        moved.z_mm[k] -= before_mm[k];
+    }
+    const std::vector<double> places = hidden_places_of(sucked);
     sucked.moved_mm.resize(by_mm.size(), 0.0);
-    for (std::size_t k = 0; k < by_mm.size(); ++k) sucked.moved_mm[k] += by_mm[k];
+    for (std::size_t k = 0; k < by_mm.size(); ++k)
+        if (const double all_mm = height_at(wanted, places[k]); std::abs(all_mm) > 0)
+            sucked.moved_mm[k] += by_mm[k] * height_at(moved, places[k]) / all_mm;
     double most_mm = 0;
     for (std::size_t k = 0; k < before_mm.size(); ++k)
         most_mm = std::max(most_mm, std::abs(rest.z_mm[k] - before_mm[k]));
@@ -212,10 +237,7 @@ std::string experiment_text(const AspirationSettings& settings, const SuckedBody
                "r_scale = {}\nz_scale = {}\ndelay_s = {}\ntilt = {{value = 0, sd = {}}}\n"
                "r_offset_mm = {{value = 0, sd = {:.4g}}}\n",
                points_file, settings.pixel_r_um.scale_text(), settings.pixel_z_um.scale_text(),
-               settings.delay_s.text(), tilt_sd,
-               settings.instrument.axis_column_px
-                   ? told_axis_sd_px * settings.pixel_r_um.value / 1000
-                   : found_axis_sd_mm) +
+               settings.delay_s.text(), tilt_sd, axis_sd_mm(settings)) +
            rest_error_text(sucked);
 }
 

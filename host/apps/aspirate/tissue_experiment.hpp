@@ -21,8 +21,7 @@ struct SuckedBody {
     double seen_later_to_mm = 0;  ///< r of the farthest point while tissue is sucked
     SuctionSteps steps;
     TissueStart start;
-    std::vector<double> moved_mm =
-        {};  ///< [hidden places] by which `rest` was moved from its guess
+    std::vector<double> moved_mm = {};  ///< [hidden places] of `rest` above its first guess
 };
 
 /// Whether a path of an experiment's number is of `rest_error`.

@@ -99,6 +99,16 @@ TEST_F(MovedRest, CountsFromTheFirstGuess) {
     EXPECT_NEAR(height_at(4.2), 0.5 * cap_at(4.2) + 0.08, 1e-9);
 }
 
+/// What the rim or 45 degrees forbid has not moved, however often it is asked for.
+TEST_F(MovedRest, CountsNoFartherThanItMoved) {
+    const double before_mm = height_at(4.2);
+    for (int round = 0; round < 4; ++round) move_rest(sucked, {-0.1, -0.2, -0.3});
+
+    EXPECT_NEAR(sucked.moved_mm[1], height_at(4.2) - before_mm, 0.01);
+    EXPECT_GT(sucked.moved_mm[2], -0.5 * cap_at(4.6));  // it has gone no lower than the rim
+    EXPECT_LT(sucked.moved_mm[2], -0.05);
+}
+
 TEST_F(MovedRest, ComesDownToTheEndOfTheRimAndNoLower) {
     move_rest(sucked, {0, 0, 3});
     for (std::size_t k = 0; k < sucked.rest.r_mm.size(); ++k)
