@@ -92,12 +92,11 @@ void refuse_bad_film(const FilmOutlines& film, const AspirationInstrument& instr
                         "to be {1}; set tissue = \"{0}\", or turn the film upright",
                         instrument.is_brighter ? "darker" : "brighter",
                         instrument.is_brighter ? "brighter" : "darker"));
-    const double asymmetry_mm = film.axis.asymmetry * instrument.pixel_z_um / 1000;
-    if (asymmetry_mm > most_asymmetry_mm)
+    if (film.axis.asymmetry_mm > most_asymmetry_mm)
         refuse(
             fmt::format("the tissue's sides differ by {:.2f} mm about the axis; allowed: {:g}; "
                         "put the tube on straight, or correct axis_column_px",
-                        asymmetry_mm, most_asymmetry_mm));
+                        film.axis.asymmetry_mm, most_asymmetry_mm));
 }
 
 FrameSource source_of(const OptionValues& values, const ProgressSink& progress) {
@@ -163,7 +162,7 @@ FilmOutlines follow_film(const OptionValues& values, const AspirationInstrument&
     }
     writer.finish();
     check_number_of_times(instrument, film.num_frames);
-    film.axis = *writer.axis();
+    film.axis = writer.axis();
     refuse_bad_film(film, instrument);
     return film;
 }
@@ -206,10 +205,12 @@ ResultTree outlines_tree(const FilmOutlines& film, const AspirationInstrument& i
     tree.add({.name = "axis_column_px",
               .value = axis_column_px(film, instrument),
               .unit = "px",
-              .title = "Column of the axis",
+              .title = film.axis.is_known ? "Column of the axis"
+                                          : "Column of the axis (the middle: no frame shows both "
+                                            "sides)",
               .decimals = 2});
     tree.add({.name = "asymmetry_mm",
-              .value = film.axis.asymmetry * instrument.pixel_z_um / 1000,
+              .value = film.axis.asymmetry_mm,
               .unit = "mm",
               .title = "Asymmetry of the outlines",
               .decimals = 3});

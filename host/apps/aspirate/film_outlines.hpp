@@ -22,7 +22,7 @@ struct FilmOutlines {
     double contrast = 0, num_compared = 0;
     std::vector<double> time_s = {}, apex_mm = {};  ///< [frames that were seen] the highest point
     FilmStrip strip = {};
-    OutlineAxis axis = {};  ///< its column counts in what `crop_px` keeps
+    FilmAxis axis = {};
 };
 
 /// From the first frame to the last of what the options `frames` and `raw` name; rows of profiles

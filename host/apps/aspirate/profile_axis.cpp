@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,6 +19,10 @@ constexpr double longest_gap_mm = 0.3;  // between points
 constexpr double wide_part = 0.5;       // of the hole's radius: nearer pairs hardly tell
 constexpr double least_wide_part = 0.1, least_fall = 2, much_mm = 0.02;
 constexpr int slope_rounds = 3;
+// Of `find_axis`, in radii of the hole
+constexpr double pairs_per_radius = 20, found_reach = 0.45;
+constexpr int coarse_steps = 90, fine_steps = 10;
+constexpr double less_than_askew = 0.8;     // of what any slope leaves: noise alone may be less
 constexpr double turned = 0.03, askew = 1;  // slopes: 3 sd of what a fit expects of a camera; any
 
 /// The height between two neighbours that have no flag.
@@ -32,16 +37,24 @@ std::optional<double> height_at(const FrameProfile& frame, double r_mm) {
     return a.z_mm + (r_mm - a.r_mm) / (b.r_mm - a.r_mm) * (b.z_mm - a.z_mm);
 }
 
+std::vector<const FrameProfile*> not_empty(const ProfileSeries& profiles, std::size_t every) {
+    std::vector<const FrameProfile*> frames;
+    for (std::size_t k = 0; k < profiles.size(); k += every)
+        if (!profiles[k].points.empty()) frames.push_back(&profiles[k]);
+    return frames;
+}
+
 struct Pair {
     double d_mm, difference_mm;  ///< of the right side over the left
 };
 
-std::vector<Pair> pairs_about(const std::vector<const FrameProfile*>& frames, double axis_mm) {
+std::vector<Pair> pairs_about(const std::vector<const FrameProfile*>& frames, double axis_mm,
+                              double apart_mm) {
     std::vector<Pair> pairs;
     for (const FrameProfile* frame : frames) {
         const double end_mm =
             std::min(axis_mm - frame->points.front().r_mm, frame->points.back().r_mm - axis_mm);
-        for (double d = pair_step_mm; d <= end_mm; d += pair_step_mm) {
+        for (double d = apart_mm; d <= end_mm; d += apart_mm) {
             const auto left = height_at(*frame, axis_mm - d),
                        right = height_at(*frame, axis_mm + d);
             if (left && right) pairs.push_back({d, *right - *left});
@@ -52,7 +65,10 @@ std::vector<Pair> pairs_about(const std::vector<const FrameProfile*>& frames, do
 
 /// The median of what is left with the slope that leaves least of what is not far away.
 double left_by(const std::vector<Pair>& pairs, double most_slope) {
-    double slope = 0;
+    std::vector<double> slopes;
+    for (const auto& [d, difference] : pairs)
+        if (most_slope > 0) slopes.push_back(difference / (2 * d));
+    double slope = slopes.empty() ? 0 : std::clamp(median(slopes), -most_slope, most_slope);
     for (int round = 0; round < slope_rounds; ++round) {
         double products = 0, squares = 0;
         for (const auto& [d, difference] : pairs) {
@@ -69,20 +85,50 @@ double left_by(const std::vector<Pair>& pairs, double most_slope) {
 
 }  // namespace
 
+ProfileAxis axis_at(const ProfileSeries& profiles, double r_mm, double hole_radius_mm) {
+    const auto pairs = pairs_about(not_empty(profiles, 1), r_mm, hole_radius_mm / pairs_per_radius);
+    double squares = 0;
+    for (const Pair& pair : pairs) squares += 0.25 * pair.difference_mm * pair.difference_mm;
+    const auto count = Index(pairs.size());
+    return {r_mm, count ? std::sqrt(squares / double(count)) : 0, count};
+}
+
+ProfileAxis find_axis(const ProfileSeries& profiles, double hole_radius_mm) {
+    const auto frames = not_empty(profiles, 1);
+    const double pair_mm = hole_radius_mm / pairs_per_radius;
+    const auto enough =
+        std::max<std::size_t>(least_axis_pairs, pairs_about(frames, 0, pair_mm).size() / 2);
+    double best_mm = 0, least = std::numeric_limits<double>::infinity();
+    const auto search = [&](double middle_mm, double reach_mm, int count) {
+        for (int k = -count; k <= count; ++k) {
+            const double r_mm = middle_mm + k * reach_mm / count;
+            const auto pairs = pairs_about(frames, r_mm, pair_mm);
+            if (pairs.size() < enough) continue;
+            const double left_mm = left_by(pairs, 0);
+            if (left_mm >= least) continue;
+            least = left_mm;
+            best_mm = r_mm;
+        }
+    };
+    search(0, found_reach * hole_radius_mm, coarse_steps);
+    if (best_mm != 0 || std::isfinite(least))
+        search(best_mm, found_reach * hole_radius_mm / coarse_steps, fine_steps);
+    return axis_at(profiles, best_mm, hole_radius_mm);
+}
+
 double axis_of(const ProfileSeries& profiles, double hole_radius_mm) {
-    std::vector<const FrameProfile*> frames;
-    const std::size_t every = std::max<std::size_t>(1, profiles.size() / most_frames);
-    for (std::size_t k = 0; k < profiles.size(); k += every)
-        if (!profiles[k].points.empty()) frames.push_back(&profiles[k]);
+    const auto frames =
+        not_empty(profiles, std::max<std::size_t>(1, profiles.size() / most_frames));
     const auto is_wide = [&](const Pair& pair) { return pair.d_mm >= wide_part * hole_radius_mm; };
-    const auto as_now = pairs_about(frames, 0);
+    const auto as_now = pairs_about(frames, 0, pair_step_mm);
     if (as_now.size() < least_pairs) return 0;
     const double now = left_by(as_now, turned);
     if (now < much_mm) return 0;
-    double best_mm = 0, least = std::min(now / least_fall, left_by(as_now, askew));
+    double best_mm = 0,
+           least = std::min(now / least_fall, less_than_askew * left_by(as_now, askew));
     const int count = int(std::lround(farthest_mm / step_mm));
     for (int k = -count; k <= count; ++k) {
-        const auto pairs = pairs_about(frames, k * step_mm);
+        const auto pairs = pairs_about(frames, k * step_mm, pair_step_mm);
         const auto num_wide = std::count_if(pairs.begin(), pairs.end(), is_wide);
         if (2 * pairs.size() < as_now.size() ||
             double(num_wide) < least_wide_part * double(pairs.size()))

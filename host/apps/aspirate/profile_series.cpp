@@ -61,14 +61,21 @@ ProfilePoint profile_point(const OutlinePoint& point, double column, double axis
             .flag = point.flag};
 }
 
+FrameProfile whole_profile_of(const Outline& outline, double time_s, double axis_column,
+                              const AspirationInstrument& instrument) {
+    FrameProfile profile{time_s, {}};
+    profile.points.reserve(outline.size());
+    for (std::size_t x = 0; x < outline.size(); ++x)
+        profile.points.push_back(profile_point(outline[x], double(x), axis_column, instrument));
+    return profile;
+}
+
 FrameProfile profile_of(const Outline& outline, double time_s, double axis_column,
                         const AspirationInstrument& instrument) {
-    const double radius = 0.5 * instrument.hole_diameter_mm;
-    FrameProfile profile{time_s, {}};
-    for (std::size_t x = 0; x < outline.size(); ++x) {
-        const ProfilePoint point = profile_point(outline[x], double(x), axis_column, instrument);
-        if (std::abs(point.r_mm) <= radius) profile.points.push_back(point);
-    }
+    const double radius_mm = 0.5 * instrument.hole_diameter_mm;
+    FrameProfile profile = whole_profile_of(outline, time_s, axis_column, instrument);
+    std::erase_if(profile.points,
+                  [&](const ProfilePoint& point) { return std::abs(point.r_mm) > radius_mm; });
     return profile;
 }
 

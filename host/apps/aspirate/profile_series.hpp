@@ -35,7 +35,10 @@ ProfileSeries read_profiles(const std::filesystem::path& path);
 ProfilePoint profile_point(const OutlinePoint& point, double column, double axis_column,
                            const AspirationInstrument& instrument);
 
-/// An outline as a profile, of what lies within the hole.
+/// An outline as a profile, of all columns.
+FrameProfile whole_profile_of(const Outline& outline, double time_s, double axis_column,
+                              const AspirationInstrument& instrument);
+/// The same of what lies within the hole.
 FrameProfile profile_of(const Outline& outline, double time_s, double axis_column,
                         const AspirationInstrument& instrument);
 

@@ -5,8 +5,6 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -15,76 +13,41 @@
 namespace palpate {
 namespace {
 
-constexpr double coarse_step = 0.5, fine_step = 0.05;  // pixels
-
-/// The row between columns; empty beside points without a flag.
-std::optional<double> row_at(const Outline& outline, double column) {
-    const auto left = Index(std::floor(column));
-    if (left < 0 || left + 1 >= Index(outline.size())) return std::nullopt;
-    const OutlinePoint &a = outline[std::size_t(left)], &b = outline[std::size_t(left) + 1];
-    if (a.flag != PointFlag::ok || b.flag != PointFlag::ok) return std::nullopt;
-    return a.row + (column - left) * (b.row - a.row);
-}
-
-OutlineAxis about(const std::vector<Outline>& outlines, double column) {
-    OutlineAxis axis{column};
-    double squares = 0;
-    for (const Outline& outline : outlines)
-        for (double d = 1; d < double(outline.size()) / 2; d += 2) {
-            const auto left = row_at(outline, column - d), right = row_at(outline, column + d);
-            if (!left || !right) continue;
-            squares += 0.25 * (*left - *right) * (*left - *right);
-            ++axis.num_pairs;
-        }
-    axis.asymmetry = axis.num_pairs ? std::sqrt(squares / axis.num_pairs) : 0;
-    return axis;
-}
+/// Frames at the begin without tissue that rows wait for; the middle is the axis then.
+constexpr std::size_t most_waiting = 2000;
 
 }  // namespace
 
-OutlineAxis find_axis(const std::vector<Outline>& outlines) {
-    const double middle = outlines.empty() ? 0 : 0.5 * double(outlines[0].size() - 1);
-    const Index enough = std::max(least_axis_pairs, about(outlines, middle).num_pairs / 2);
-    OutlineAxis best = about(outlines, middle);
-    const auto search = [&](double from, double to, double step) {
-        for (double column = from; column <= to; column += step) {
-            const OutlineAxis one = about(outlines, column);
-            if (one.num_pairs >= enough &&
-                (best.num_pairs < enough || one.asymmetry < best.asymmetry))
-                best = one;
-        }
-    };
-    search(0.6 * middle, 1.4 * middle, coarse_step);
-    search(best.column - coarse_step, best.column + coarse_step, fine_step);
-    return best;
-}
-
 ProfileWriter::ProfileWriter(const AspirationInstrument& instrument,
                              std::function<void(const std::string&)> write)
-    : instrument_(instrument), write_(std::move(write)) {
+    : instrument_(instrument), write_(std::move(write)), finder_(instrument) {
     write_("time_s,r_mm,z_mm,sd_mm,flag\n");
 }
 
 void ProfileWriter::add(const Outline& outline, double time_s) {
-    if (axis_) return write_rows(outline, time_s);
+    finder_.add(outline);
+    if (axis_column_) return write_rows(outline, time_s);
     waiting_.push_back(outline);
     waiting_s_.push_back(time_s);
-    if (instrument_.axis_column_px || waiting_.size() == frames_for_axis) settle_axis();
+    if (finder_.is_settled() || waiting_.size() == most_waiting) finish();
 }
 
-void ProfileWriter::settle_axis() {
-    axis_ = instrument_.axis_column_px ? about(waiting_, *instrument_.axis_column_px)
-                                       : find_axis(waiting_);
+void ProfileWriter::finish() {
+    if (axis_column_) return;
+    axis_column_ = finder_.column();
     for (std::size_t k = 0; k < waiting_.size(); ++k) write_rows(waiting_[k], waiting_s_[k]);
     waiting_.clear();
 }
 
-void ProfileWriter::finish() {
-    if (!axis_) settle_axis();
+FilmAxis ProfileWriter::axis() const {
+    const ProfileAxis sides = finder_.sides();
+    return {.column = axis_column_.value_or(finder_.column()),
+            .asymmetry_mm = sides.asymmetry_mm,
+            .is_known = finder_.is_known()};
 }
 
 void ProfileWriter::write_rows(const Outline& outline, double time_s) {
-    const FrameProfile profile = profile_of(outline, time_s, axis_->column, instrument_);
+    const FrameProfile profile = profile_of(outline, time_s, *axis_column_, instrument_);
     const std::string time = fmt::format("{:.4f},", profile.time_s);
     text_.clear();
     for (const ProfilePoint& point : profile.points) {

@@ -7,29 +7,21 @@
 #include <string>
 #include <vector>
 
-#include "host/apps/aspirate/model/aspiration_settings.hpp"
+#include "host/apps/aspirate/axis_finder.hpp"
 
 namespace palpate {
 
-/// From so many frames the axis is found where it is not told.
-inline constexpr std::size_t frames_for_axis = 10;
-inline constexpr Index least_axis_pairs = 5;  ///< of columns that are compared
-
-/// The axis of an outline that is alike on both sides.
-struct OutlineAxis {
-    double column = 0;     ///< pixels
-    double asymmetry = 0;  ///< root mean square of half of the differences of both sides, pixels
-    Index num_pairs = 0;   ///< columns that were compared
+/// The axis of a film that was followed.
+struct FilmAxis {
+    double column = 0;        ///< in what `crop_px` keeps
+    double asymmetry_mm = 0;  ///< of both sides about it, root mean square of half the differences
+    bool is_known = false;    ///< told, or seen in a frame; else the middle
 };
-
-/// The column about which the points without a flag are most alike: the least sum of
-/// (y(x + d) - y(x - d))^2 over all outlines, to a twentieth of a pixel. Without pairs: the middle.
-OutlineAxis find_axis(const std::vector<Outline>& outlines);
 
 /// Turns outlines into rows "time_s, r_mm, z_mm, sd_mm, flag" of profiles, z above the lower face
 /// of the rim. The flag is a number: 0 ok, 1 guessed, 2 hidden (then z is the middle of what the
-/// rim hides), 3 lost. Where the axis is not given the outlines of the first ten frames tell it,
-/// and their rows come then.
+/// rim hides), 3 lost. Where the axis is not given the outlines of the first ten frames with tissue
+/// tell it, and rows come from then on, with those of the frames before.
 class ProfileWriter {
 public:
     ProfileWriter(const AspirationInstrument& instrument,
@@ -38,16 +30,15 @@ public:
     void add(const Outline& outline, double time_s);
     /// Writes what still waits.
     void finish();
-    /// Empty until it is known.
-    const std::optional<OutlineAxis>& axis() const { return axis_; }
+    FilmAxis axis() const;
 
 private:
-    void settle_axis();
     void write_rows(const Outline& outline, double time_s);
 
     AspirationInstrument instrument_;
     std::function<void(const std::string&)> write_;
-    std::optional<OutlineAxis> axis_;
+    AxisFinder finder_;
+    std::optional<double> axis_column_;  ///< that rows are written with
     std::vector<Outline> waiting_;
     std::vector<double> waiting_s_;
     std::string text_;

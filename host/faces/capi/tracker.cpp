@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
+#include "host/apps/aspirate/axis_finder.hpp"
 #include "host/apps/aspirate/outline_finder.hpp"
 #include "host/apps/aspirate/profile_series.hpp"
-#include "host/apps/aspirate/profile_writer.hpp"
 #include "host/faces/capi/guard.hpp"
 #include "host/faces/capi/handles.hpp"
 #include "host/io/decode_pictures.hpp"
@@ -22,7 +21,7 @@ using capi::require;
 /// The handle.
 struct palpate_tracker {
     explicit palpate_tracker(const AspirationInstrument& told)
-        : instrument(told), finder(told), axis_column(told.axis_column_px) {}
+        : instrument(told), finder(told), axis(told) {}
 
     Index num_columns() const {
         return instrument.crop_px ? (*instrument.crop_px)[2] : frame.width;
@@ -31,8 +30,7 @@ struct palpate_tracker {
     AspirationInstrument instrument;
     OutlineFinder finder;
     GreyFrame frame;
-    std::vector<Outline> first;  ///< until the axis is known
-    std::optional<double> axis_column;
+    AxisFinder axis;
 };
 
 namespace {
@@ -49,16 +47,6 @@ void take_grey(const void* grey, int white, GreyFrame& frame) {
         take(static_cast<const std::uint8_t*>(grey));
     else
         take(static_cast<const std::uint16_t*>(grey));
-}
-
-/// Ten frames tell the axis, as they do where a film is read from files; those in which tissue is
-/// not seen yet say nothing.
-void learn_axis(palpate_tracker& tracker, const Outline& outline) {
-    if (tracker.axis_column || find_axis({outline}).num_pairs < least_axis_pairs) return;
-    tracker.first.push_back(outline);
-    if (tracker.first.size() < frames_for_axis) return;
-    tracker.axis_column = find_axis(tracker.first).column;
-    tracker.first.clear();
 }
 
 }  // namespace
@@ -107,7 +95,7 @@ palpate_status palpate_tracker_add(palpate_tracker* tracker, const void* grey, s
                 fmt::format("the grey of white is {}; allowed: 1 to {}", white, brightest_word));
         take_grey(grey, white, tracker->frame);
         const Outline& outline = tracker->finder.add(tracker->frame);
-        learn_axis(*tracker, outline);
+        tracker->axis.add(outline);
         for (std::size_t x = 0; x < outline.size(); ++x) {
             const ProfilePoint point = profile_point(outline[x], double(x), 0, tracker->instrument);
             if (z_mm) z_mm[x] = point.z_mm;
@@ -122,12 +110,11 @@ palpate_status palpate_tracker_axis(const palpate_tracker* tracker, double* axis
                                     double* r_mm, double* hole_radius_mm) {
     return guarded([&] {
         const auto held = capi::hold(tracker, "the tracker");
-        if (!tracker->axis_column && tracker->first.empty())
+        if (!tracker->axis.is_known())
             throw Error(ErrorCode::input_unusable,
                         "no frame with tissue has told where the axis is; add one, or give "
                         "axis_column_px");
-        const double axis =
-            tracker->axis_column ? *tracker->axis_column : find_axis(tracker->first).column;
+        const double axis = tracker->axis.column();
         if (axis_column_px)
             *axis_column_px =
                 axis +
