@@ -17,7 +17,8 @@
 namespace palpate {
 namespace {
 
-constexpr double bin_mm = 0.5;
+// Bins have so many points of a profile at least, and are half a millimetre wide if that is more
+constexpr double points_in_bin = 5, least_bin_mm = 0.5, most_bin_mm = 1;
 constexpr double apex_half_mm = 0.75;  // of the axis: what the highest part is
 constexpr double above_rim_mm = 0.12;  // points nearer to the line of visibility are left out
 constexpr double most_leverage = 4;    // of a height at a bin's middle, in variances of a point
@@ -163,10 +164,29 @@ double asymmetry_of(const std::vector<ThinPoint>& points) {
     return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
+/// From the usual distance of the points of a frame.
+double bin_of(const ProfileSeries& profiles) {
+    std::vector<double> apart_mm;
+    for (const FrameProfile& frame : profiles) {
+        const auto& points = frame.points;
+        if (points.size() > 1)
+            apart_mm.push_back((points.back().r_mm - points.front().r_mm) /
+                               double(points.size() - 1));
+    }
+    const double usual_mm = apart_mm.empty() ? 0 : median(apart_mm);
+    const double bin_mm = std::max(least_bin_mm, points_in_bin * usual_mm);
+    if (bin_mm > most_bin_mm)
+        refuse(
+            fmt::format("the points of a profile are {:.2g} mm apart; {:g} mm or closer are "
+                        "needed",
+                        usual_mm, most_bin_mm / points_in_bin));
+    return bin_mm;
+}
+
 /// Means of the heights over the frames at rest, at their mean time. What a model has wrong is
 /// nothing there: data that leave this out may be met by a model that is off by as much at all
 /// times.
-void take_rest(const std::vector<FrameProfile>& frames, double lowest_mm, int bins,
+void take_rest(const std::vector<FrameProfile>& frames, double lowest_mm, double bin_mm, int bins,
                AspirationFitInput& input) {
     double time_s = 0;
     for (const FrameProfile& frame : frames)
@@ -188,7 +208,7 @@ void take_rest(const std::vector<FrameProfile>& frames, double lowest_mm, int bi
 }
 
 /// The largest r at which enough rows are: a bubble here or there is no tissue.
-double farthest_seen_mm(const std::vector<ThinPoint>& points, int bins) {
+double farthest_seen_mm(const std::vector<ThinPoint>& points, double bin_mm, int bins) {
     for (int k = bins; k > 0; --k)
         if (std::count_if(points.begin(), points.end(), [&](const ThinPoint& point) {
                 return std::abs(std::abs(point.r_mm) - k * bin_mm) < 1e-9;
@@ -202,8 +222,9 @@ void take_points(const ProfileSeries& profiles, const std::vector<FrameProfile>&
     const double lowest_mm = settings.instrument.rim_thickness_mm + above_rim_mm;
     const double radius_mm = 0.5 * settings.hole_diameter_mm.value;
     const auto frames = chosen_frames(profiles, input.steps, input.begin_s, settings.delay_s.value);
+    const double bin_mm = bin_of(profiles);
     const int bins = int(radius_mm / bin_mm);
-    take_rest(at_rest, lowest_mm, bins, input);
+    take_rest(at_rest, lowest_mm, bin_mm, bins, input);
     for (const FrameProfile* frame : frames) {
         bool is_used = false;
         for (int k = -bins; k <= bins; ++k) {
@@ -220,7 +241,7 @@ void take_points(const ProfileSeries& profiles, const std::vector<FrameProfile>&
             fmt::format("only {} of {} frames show tissue above the line of visibility while it "
                         "is sucked; at least {} are needed",
                         input.num_used_frames, frames.size(), least_frames));
-    input.seen_later_to_mm = farthest_seen_mm(input.points, bins);
+    input.seen_later_to_mm = farthest_seen_mm(input.points, bin_mm, bins);
     input.asymmetry_mm = asymmetry_of(input.points);
     if (input.asymmetry_mm > most_side_difference_mm)
         refuse(
@@ -249,10 +270,11 @@ void centre(const AspirationSettings& settings, ProfileSeries& profiles,
     if (std::abs(axis_mm) <= found_axis_sd_mm) return;
     move_axis(axis_mm, profiles);
     input.axis_mm = axis_mm;
-    input.warnings.push_back(
-        fmt::format("both sides are most alike at r = {:.2f} mm, so that the axis is taken to be "
-                    "there; tell axis_column_px if this is wrong",
-                    axis_mm));
+    input.warnings.push_back(fmt::format(
+        "both sides are most alike at r = {:.2f} mm, so that the axis is taken to be "
+        "there; tell axis_column_px if this is wrong (any column, if the profiles are of "
+        "no film: r = 0 is the axis then)",
+        axis_mm));
 }
 
 }  // namespace

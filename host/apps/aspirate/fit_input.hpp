@@ -11,7 +11,7 @@
 namespace palpate {
 
 /// A point of the profiles that are fitted: the height in the middle of half a millimetre of one
-/// frame.
+/// frame, or of five points where these are farther apart than 0.1 mm.
 struct ThinPoint {
     double time_s = 0;  ///< from the begin of suction, as the frames tell it
     double r_mm = 0, z_mm = 0, sd_mm = 0;
@@ -47,7 +47,8 @@ struct AspirationFitInput {
 
 /// Chooses frames near the times at which the body will be solved, and takes heights. Throws
 /// Error(input_unusable) where suction and film do not overlap, no frame is from before the
-/// suction, nothing moves or is seen, or sides differ by more than 0.3 mm.
+/// suction, nothing moves or is seen, points are more than 0.2 mm apart, or sides differ by more
+/// than 0.3 mm.
 AspirationFitInput make_fit_input(const ProfileSeries& profiles, const Suction& suction,
                                   const AspirationSettings& settings);
 

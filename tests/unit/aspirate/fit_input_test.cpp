@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <random>
 #include <string>
 
 #include "host/apps/aspirate/profile_axis.hpp"
@@ -135,8 +136,40 @@ TEST(ProfileAxis, IsNotMovedByATurnedCamera) {
 }
 
 TEST(ProfileAxis, IsNotMovedByATubeThatIsAskew) {
-    for (const double slope : {0.08, 0.15, -0.3})
-        EXPECT_EQ(axis_of(other_film(1.2, 0.3, slope), radius_mm), 0);
+    for (const double slope : {0.08, 0.15, 0.23, 0.26, -0.3})
+        for (const double cap_mm : {1.2, 2.0})
+            EXPECT_EQ(axis_of(other_film(cap_mm, 0.3, slope), radius_mm), 0) << slope;
+}
+
+TEST(ProfileAxis, IsNotMovedByNoiseWhereATurnedCameraSaysAsMuch) {
+    std::mt19937 engine(3);
+    std::normal_distribution<double> noise(0, 0.01);
+    for (const double cap_mm : {1.2, 1.6, 2.0})
+        for (int round = 0; round < 4; ++round) {
+            ProfileSeries frames = other_film(cap_mm, 0.1, 0.05);
+            for (FrameProfile& frame : frames)
+                for (ProfilePoint& point : frame.points) point.z_mm += noise(engine);
+            EXPECT_NEAR(axis_of(frames, radius_mm), 0, 0.1) << cap_mm;
+        }
+}
+
+/// Ten frames of tissue at rest, as profiles about another axis, with a bubble beside it.
+TEST(ProfileAxis, OfAFewFramesIsNotDrawnByABubble) {
+    for (const double up_mm : {0.0, 0.1, 0.25, 0.5})
+        for (const double off_mm : {-1.1, 0.33}) {
+            ProfileSeries frames = moved(other_film(1.2, 0, 0), off_mm);
+            frames.resize(10);
+            for (FrameProfile& frame : frames)
+                for (ProfilePoint& point : frame.points)
+                    if (point.r_mm - off_mm > 1.5 && point.r_mm - off_mm < 3) point.z_mm += up_mm;
+            const ProfileAxis found = find_axis(frames, radius_mm);
+            EXPECT_NEAR(found.r_mm, off_mm, 0.03);
+            EXPECT_GT(found.num_pairs, 100);
+            EXPECT_NEAR(found.asymmetry_mm, 0.28 * up_mm, 0.1 * up_mm + 1e-3);
+        }
+    const ProfileAxis nothing = find_axis({{0, {}}}, radius_mm);
+    EXPECT_EQ(nothing.r_mm, 0);
+    EXPECT_EQ(nothing.num_pairs, 0);
 }
 
 /// A wrong axis is hardly told from a camera that is turned by 0.08, which none is.
@@ -179,6 +212,40 @@ TEST(FitInput, AnAxisThatIsFarOffIsMovedUnlessItIsTold) {
     const AspirationFitInput as_told =
         make_fit_input(moved(other_film(1.2, 0.3, 0), 0.5), suction(), told);
     EXPECT_GT(as_told.asymmetry_mm, 0.05);
+}
+
+TEST(FitInput, ProfilesOfFewPointsHaveWiderBins) {
+    const auto every = [](int step) {
+        ProfileSeries frames = film(0);
+        for (FrameProfile& frame : frames) {
+            std::vector<ProfilePoint> few;
+            for (std::size_t k = 0; k < frame.points.size(); k += std::size_t(step))
+                few.push_back(frame.points[k]);
+            frame.points = few;
+        }
+        return frames;
+    };
+    const AspirationFitInput usual = make_fit_input(every(1), suction(), settings());
+    for (const int step : {2, 3}) {  // 0.12 and 0.18 mm
+        const AspirationFitInput input = make_fit_input(every(step), suction(), settings());
+        EXPECT_EQ(input.num_used_frames, usual.num_used_frames);
+        EXPECT_GT(input.points.size(), usual.points.size() / 3);
+        EXPECT_NEAR(input.seen_later_to_mm, usual.seen_later_to_mm, 0.5);
+        for (const ThinPoint& point : input.points)
+            if (point.time_s > 2.5 && point.time_s < 3.5) {
+                const double up_mm = 0.3 * suction().at(point.time_s + begin_s);
+                const double z_mm = 1.2 * (1 - point.r_mm * point.r_mm / 27) + up_mm;
+                EXPECT_NEAR(point.z_mm, z_mm, 1e-3);
+            }
+    }
+    try {
+        make_fit_input(every(4), suction(), settings());
+        FAIL() << "it was accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input_unusable);
+        EXPECT_NE(std::string(error.what()).find("0.24 mm apart"), std::string::npos)
+            << error.what();
+    }
 }
 
 TEST(FitInput, WithoutAFrameBeforeSuctionNothingCanBeFitted) {
