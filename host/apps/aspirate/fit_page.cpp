@@ -273,8 +273,10 @@ std::string fit_page(const AspirationFit& fit, const ResultTree& tree, const Fil
                            "profiles", "Profiles",
                            "<div class='figures'>" + profiles + residual_picture(fit) + "</div>") +
                        frames),
-         .footer = "All figures: <code>result.json</code>; the model with these values: "
-                   "<code>identified.toml</code>, which <code>palpate simulate</code> runs.",
+         .footer =
+             "All figures: <code>result.json</code>; the model, with the values before they were "
+             "corrected for cells and time steps: <code>identified.toml</code>, which "
+             "<code>palpate simulate</code> runs.",
          .style = std::string(".map{width:100%}.map .label{font-size:11px;fill:currentColor}") +
                   (film ? film_style : "")});
 }
