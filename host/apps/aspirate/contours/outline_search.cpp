@@ -106,7 +106,11 @@ void OutlineSearch::run() {
         next_.swap(after_);
         least = least_next;
         bend = bend_[x];
-        path_[x] = std::find(total, total + rows, least_total) - total;
+        // The best path goes no farther from column to column
+        const Index from = x + 1 < width_ ? std::max<Index>(0, path_[x + 1] - reach) : 0;
+        const Index to = x + 1 < width_ ? std::min(rows, path_[x + 1] + reach + 1) : rows;
+        const float* const near = std::find(total + from, total + to, least_total);
+        path_[x] = (near < total + to ? near : std::find(total, total + rows, least_total)) - total;
     }
 }
 
