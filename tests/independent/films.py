@@ -209,10 +209,10 @@ def rendered(kind, seed, edges, apexes_mm):
         yield frame
 
 
-def make(seed, out, kind="noise 3", side="held"):
-    """Writes a film; its truth."""
+def make(seed, out, kind="noise 3", side="held", tissue=None):
+    """Writes a film; its truth. `tissue` says what of it is not drawn."""
     began = time.monotonic()
-    truth = draw_truth(seed) | {"side": side}
+    truth = draw_truth(seed) | {"side": side} | (tissue or {})
     truth["peak_suction_kpa"] = peak_for(truth)
     stamps, surfaces, told = solved(truth)
     apexes = surfaces[:, 0, 1]
