@@ -156,12 +156,22 @@ std::string residual_picture(const AspirationFit& fit) {
 }  // namespace
 
 const TriedModel& AspirationFit::best() const {
-    const auto rank = [](const TriedModel& one) {
-        return std::pair(one.found->distrust().empty(), one.found->identified.log_evidence);
+    const auto is_trusted = [](const TriedModel& one) { return one.found->distrust().empty(); };
+    const auto evidence = [](const TriedModel& one) { return one.found->identified.log_evidence; };
+    const auto rank = [&](const TriedModel& one) {
+        return std::pair(is_trusted(one), evidence(one));
     };
-    return *std::max_element(
+    const TriedModel& highest = *std::max_element(
         models.begin(), models.end(),
         [&](const TriedModel& a, const TriedModel& b) { return rank(a) < rank(b); });
+    const TriedModel* simplest = &highest;
+    for (const TriedModel& one : models)
+        if (is_trusted(one) == is_trusted(highest) &&
+            evidence(one) > evidence(highest) - bare_mention &&
+            std::pair(-one.num_parameter(), evidence(one)) >
+                std::pair(-simplest->num_parameter(), evidence(*simplest)))
+            simplest = &one;
+    return *simplest;
 }
 
 std::vector<std::string> AspirationFit::warnings() const {

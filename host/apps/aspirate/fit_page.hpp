@@ -18,6 +18,8 @@ struct TriedModel {
     std::shared_ptr<const Experiment> experiment;
     std::shared_ptr<IdentifiedExperiment> found;  ///< of `experiment`
     std::vector<std::string> warnings = {};
+
+    Index num_parameter() const { return Index(experiment->parameters().size()); }
 };
 
 /// All that a fit of an aspiration is told of.
@@ -30,7 +32,8 @@ struct AspirationFit {
     /// Of what was read and of the best model.
     std::vector<std::string> warnings() const;
 
-    /// Of the highest evidence, among those that nothing speaks against if there are any.
+    /// Of the highest evidence, among those that nothing speaks against if there are any; of those
+    /// that are less than a bare mention behind it the one with the fewest numbers.
     const TriedModel& best() const;
 };
 

@@ -114,6 +114,15 @@ TEST_F(LawsReport, DoesNotCallALawBeatenWhoseSearchDidNotEndWell) {
     EXPECT_EQ(fact(one, "models_unusable"), 1);
 }
 
+TEST_F(LawsReport, TakesTheSimplerOfTwoThatAreABareMentionApart) {
+    Row one = row();
+    one.set(std::string(polynomial_law) + ", 2", 100.9, 1);
+    EXPECT_EQ(fact(one, "terms_right"), 1);
+    one.set(std::string(polynomial_law) + ", 2", 101.2, 1);
+    EXPECT_EQ(fact(one, "terms_right"), 0);
+    EXPECT_EQ(fact(one, "law_right"), 1);
+}
+
 TEST_F(LawsReport, TellsNothingWhereBothLawsFailed) {
     Row one = row();
     for (const char* law : {exponential_law, polynomial_law})
