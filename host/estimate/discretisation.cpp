@@ -63,10 +63,11 @@ void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, cons
             shift += all_of_second_order * one[at];
             squares += one[at] * one[at];
         }
-        // Shifts of opposite signs are no less of a guess
         const double size = std::sqrt(squares);
-        const double share = std::clamp(all_of_second_order * size / (shift_of_guess * found.sd),
-                                        least_unknown_share, most_unknown_share);
+        // Shifts of opposite signs are no less of a guess
+        const double large = std::max(std::abs(shift), all_of_second_order * size);
+        const double share = std::clamp(large / (shift_of_guess * found.sd), least_unknown_share,
+                                        most_unknown_share);
         const double centre = fit.transformed[at], sd = share * size;
         found.discretisation_shift = shift;
         found.discretisation_sd = sd;

@@ -26,9 +26,8 @@ inline Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& par
 /// halved (cells, time steps). With errors of order p all of the error is delta / (1 - 2^-p): 4/3
 /// of delta for p = 2, twice delta for p = 1 (Richardson). Values move by 4/3 of the sum. What is
 /// not known joins the intervals in quadrature: a third of each delta, for the order, and up to all
-/// of it where 4/3 of their root of squares is three sd and more, because then more than the first
-/// order counts, whatever their signs.
-/// Verdicts follow the new intervals.
+/// of it where 4/3 of their sum, or of their root of squares, is three sd and more, because then
+/// more than the first order counts, whatever their signs. Verdicts follow the new intervals.
 ///   model_sd   [num_parameter] of what else a model has wrong, of logarithms: joins the intervals
 ///              of what is searched for as one and is no nuisance; empty: nothing
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,

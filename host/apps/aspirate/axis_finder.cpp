@@ -28,10 +28,8 @@ double AxisFinder::column() const {
     return instrument_.axis_column_px.value_or(middle_ + found_r_mm_ / mm_per_column());
 }
 
-ProfileAxis AxisFinder::sides() const {
-    ProfileAxis axis = axis_at(seen_, (column() - middle_) * mm_per_column(), radius_mm());
-    axis.r_mm = 0;
-    return axis;
+ProfileAxis AxisFinder::sides_about(double column) const {
+    return axis_at(seen_, (column - middle_) * mm_per_column(), radius_mm());
 }
 
 }  // namespace palpate

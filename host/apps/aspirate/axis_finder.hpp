@@ -19,8 +19,8 @@ public:
     bool is_settled() const;
     /// In what `crop_px` keeps, from 0; as frames so far tell it, the middle where they do not.
     double column() const;
-    /// How alike both sides are about it, in the first ten frames with tissue; `r_mm` is 0.
-    ProfileAxis sides() const;
+    /// How alike both sides are about a column, in the first ten frames with tissue.
+    ProfileAxis sides_about(double column) const;
     /// Whether it is told, or some frame has told it.
     bool is_known() const { return instrument_.axis_column_px || !seen_.empty(); }
 

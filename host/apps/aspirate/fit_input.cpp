@@ -166,12 +166,12 @@ double asymmetry_of(const std::vector<ThinPoint>& points) {
 
 /// From the usual distance of the points of a frame.
 double bin_of(const ProfileSeries& profiles) {
-    std::vector<double> apart_mm;
+    std::vector<double> apart_mm;  // of neighbours: gaps of points that are left out do not count
     for (const FrameProfile& frame : profiles) {
-        const auto& points = frame.points;
-        if (points.size() > 1)
-            apart_mm.push_back((points.back().r_mm - points.front().r_mm) /
-                               double(points.size() - 1));
+        std::vector<double> here_mm;
+        for (std::size_t k = 1; k < frame.points.size(); ++k)
+            here_mm.push_back(frame.points[k].r_mm - frame.points[k - 1].r_mm);
+        if (!here_mm.empty()) apart_mm.push_back(median(here_mm));
     }
     const double usual_mm = apart_mm.empty() ? 0 : median(apart_mm);
     const double bin_mm = std::max(least_bin_mm, points_in_bin * usual_mm);

@@ -20,8 +20,9 @@ constexpr double wide_part = 0.5;       // of the hole's radius: nearer pairs ha
 constexpr double least_wide_part = 0.1, least_fall = 2, much_mm = 0.02;
 constexpr int slope_rounds = 3;
 // Of `find_axis`, in radii of the hole
-constexpr double pairs_per_radius = 20, found_reach = 0.45;
-constexpr int coarse_steps = 90, fine_steps = 10;
+constexpr double pairs_per_radius = 20, found_reach = 0.45, coarse_step = 0.005;
+constexpr double found_part = 0.4;  // of half a profile's width, if that is more
+constexpr int fine_steps = 10;
 constexpr double less_than_askew = 0.8;     // of what any slope leaves: noise alone may be less
 constexpr double turned = 0.03, askew = 1;  // slopes: 3 sd of what a fit expects of a camera; any
 
@@ -98,21 +99,30 @@ ProfileAxis find_axis(const ProfileSeries& profiles, double hole_radius_mm) {
     const double pair_mm = hole_radius_mm / pairs_per_radius;
     const auto enough =
         std::max<std::size_t>(least_axis_pairs, pairs_about(frames, 0, pair_mm).size() / 2);
+    double reach_mm = found_reach * hole_radius_mm;
+    for (const FrameProfile* frame : frames)
+        reach_mm = std::max(
+            reach_mm, found_part * 0.5 * (frame->points.back().r_mm - frame->points.front().r_mm));
     double best_mm = 0, least = std::numeric_limits<double>::infinity();
-    const auto search = [&](double middle_mm, double reach_mm, int count) {
-        for (int k = -count; k <= count; ++k) {
-            const double r_mm = middle_mm + k * reach_mm / count;
-            const auto pairs = pairs_about(frames, r_mm, pair_mm);
-            if (pairs.size() < enough) continue;
-            const double left_mm = left_by(pairs, 0);
-            if (left_mm >= least) continue;
-            least = left_mm;
-            best_mm = r_mm;
+    const auto try_at = [&](double r_mm) {
+        const auto pairs = pairs_about(frames, r_mm, pair_mm);
+        if (pairs.size() < enough) return;
+        const double left_mm = left_by(pairs, 0);
+        if (left_mm >= least) return;
+        least = left_mm;
+        best_mm = r_mm;
+    };
+    // From the middle outwards: of two that are alike the nearer one
+    const auto search = [&](double middle_mm, double far_mm, double step_size_mm) {
+        try_at(middle_mm);
+        for (double d = step_size_mm; d <= far_mm; d += step_size_mm) {
+            try_at(middle_mm - d);
+            try_at(middle_mm + d);
         }
     };
-    search(0, found_reach * hole_radius_mm, coarse_steps);
-    if (best_mm != 0 || std::isfinite(least))
-        search(best_mm, found_reach * hole_radius_mm / coarse_steps, fine_steps);
+    const double coarse_mm = coarse_step * hole_radius_mm;
+    search(0, reach_mm, coarse_mm);
+    search(best_mm, coarse_mm, coarse_mm / fine_steps);
     return axis_at(profiles, best_mm, hole_radius_mm);
 }
 

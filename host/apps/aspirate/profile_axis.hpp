@@ -24,7 +24,8 @@ ProfileAxis axis_at(const ProfileSeries& profiles, double r_mm, double hole_radi
 
 /// The r about which a few profiles are most alike, to 0.001 radii of the hole: the least median of
 /// |z(r + d) - z(r - d)|, so that a bubble on one side does not draw it. No farther from 0 than
-/// 0.45 radii; 0 where nothing tells it (`num_pairs` is less than `least_axis_pairs` then).
+/// 0.45 radii, or two fifths of half a profile's width if that is more; 0 where nothing tells it
+/// (`num_pairs` is less than `least_axis_pairs` then).
 ProfileAxis find_axis(const ProfileSeries& profiles, double hole_radius_mm);
 
 /// The r about which the profiles of a whole film are most alike on both sides, mm. With z(r, t) at
@@ -33,8 +34,8 @@ ProfileAxis find_axis(const ProfileSeries& profiles, double hole_radius_mm);
 /// s the slope of a camera that is turned, by 0.03 at most; as the tissue rises, c and s part. 0
 /// where that tells nothing: with few pairs as far out as half of `hole_radius_mm`, a c that is
 /// 1.5 mm from r = 0 or farther, a median that is more than half of that about r = 0, or more than
-/// that with any slope, as of a tube that is put on askew, or sides that differ by less than
-/// 0.02 mm about r = 0.
+/// four fifths of that with any slope, as of a tube that is put on askew, or sides that differ by
+/// less than 0.02 mm about r = 0.
 double axis_of(const ProfileSeries& profiles, double hole_radius_mm);
 
 /// Counts r from `axis_mm` on.

@@ -35,15 +35,16 @@ void ProfileWriter::add(const Outline& outline, double time_s) {
 void ProfileWriter::finish() {
     if (axis_column_) return;
     axis_column_ = finder_.column();
+    is_known_ = finder_.is_known();
     for (std::size_t k = 0; k < waiting_.size(); ++k) write_rows(waiting_[k], waiting_s_[k]);
     waiting_.clear();
 }
 
 FilmAxis ProfileWriter::axis() const {
-    const ProfileAxis sides = finder_.sides();
-    return {.column = axis_column_.value_or(finder_.column()),
-            .asymmetry_mm = sides.asymmetry_mm,
-            .is_known = finder_.is_known()};
+    const double column = axis_column_.value_or(finder_.column());
+    return {.column = column,
+            .asymmetry_mm = finder_.sides_about(column).asymmetry_mm,
+            .is_known = is_known_};
 }
 
 void ProfileWriter::write_rows(const Outline& outline, double time_s) {

@@ -21,7 +21,8 @@ struct FilmAxis {
 /// Turns outlines into rows "time_s, r_mm, z_mm, sd_mm, flag" of profiles, z above the lower face
 /// of the rim. The flag is a number: 0 ok, 1 guessed, 2 hidden (then z is the middle of what the
 /// rim hides), 3 lost. Where the axis is not given the outlines of the first ten frames with tissue
-/// tell it, and rows come from then on, with those of the frames before.
+/// tell it, and rows come from then on, with those of the frames before; after 2,000 frames without
+/// it is the middle column.
 class ProfileWriter {
 public:
     ProfileWriter(const AspirationInstrument& instrument,
@@ -39,6 +40,7 @@ private:
     std::function<void(const std::string&)> write_;
     AxisFinder finder_;
     std::optional<double> axis_column_;  ///< that rows are written with
+    bool is_known_ = false;              ///< that column, when the first row was written
     std::vector<Outline> waiting_;
     std::vector<double> waiting_s_;
     std::string text_;

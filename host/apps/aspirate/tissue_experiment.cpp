@@ -205,9 +205,11 @@ double move_rest(SuckedBody& sucked, const std::vector<double>& by_mm) {
     }
     const std::vector<double> places = hidden_places_of(sucked);
     sucked.moved_mm.resize(by_mm.size(), 0.0);
-    for (std::size_t k = 0; k < by_mm.size(); ++k)
-        if (const double all_mm = height_at(wanted, places[k]); std::abs(all_mm) > 0)
-            sucked.moved_mm[k] += by_mm[k] * height_at(moved, places[k]) / all_mm;
+    for (std::size_t k = 0; k < by_mm.size(); ++k) {
+        const double all_mm = height_at(wanted, places[k]), done_mm = height_at(moved, places[k]);
+        const double share = all_mm != 0 ? std::clamp(done_mm / all_mm, 0.0, 1.0) : 1;
+        sucked.moved_mm[k] += share * by_mm[k];
+    }
     double most_mm = 0;
     for (std::size_t k = 0; k < before_mm.size(); ++k)
         most_mm = std::max(most_mm, std::abs(rest.z_mm[k] - before_mm[k]));

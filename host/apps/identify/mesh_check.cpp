@@ -69,7 +69,8 @@ void correct(const std::vector<Eigen::VectorXd>& shifts, IdentifiedExperiment& f
         const double sd = std::hypot(one.sd, model_sd.size() > 0 ? model_sd[at] : 0.0);
         double squares = 0;  // shifts of opposite signs may hide each other in their sum
         for (const Eigen::VectorXd& shift : shifts) squares += shift[at] * shift[at];
-        const double size = std::max(std::abs(one.discretisation_shift), std::sqrt(squares));
+        const double size =
+            std::max(std::abs(one.discretisation_shift), 4.0 / 3.0 * std::sqrt(squares));
         if (size > sd && !one.parameter.is_nuisance)
             far += fmt::format("{}{} by {:.1f} sd", far.empty() ? "" : ", ",
                                harmless(label_of(one.parameter)), size / sd);

@@ -24,9 +24,9 @@ namespace {
 
 constexpr double sd_mm = 0.02;
 constexpr double true_kappa_kpa = 1e4, hardly_compressible_kpa = 1e5;
-// of tissue that sticks as well: heights differ by 1 um at most. It has an equilibrium with an edge
-// of 0.1 mm, where `stick_friction` has none
-constexpr double enough_friction = 3;
+// of tissue that sticks as well: heights differ by 1 um at most. It has an equilibrium with sharp
+// edges, where `stick_friction` has none
+constexpr double enough_friction = 3, sharp_edge_mm = 0.1;
 constexpr double less_friction = 1;  // which slips a little
 constexpr int edge_refine = 2;       // coarser cells at the edge move mu by 1.5 % more
 
@@ -259,9 +259,10 @@ StudyReport friction_report(const std::vector<Row>& rows) {
     report.sentences = {
         scene_sentence(),
         fmt::format("Data are of tissue that sticks to the rim (friction {:g}, as in aspirate "
-                    "fit; {:g} with an edge of 0.1 mm, where {:g} has no equilibrium), fits let it "
-                    "slide, for edges of several radii, which fits know. Beside it friction {:g}.",
-                    stick_friction, enough_friction, stick_friction, less_friction),
+                    "fit; {:g} with edges of 0.05 and {:g} mm, where {:g} has no equilibrium), "
+                    "fits let it slide, for edges of several radii, which fits know. Beside it "
+                    "friction {:g}.",
+                    stick_friction, enough_friction, sharp_edge_mm, stick_friction, less_friction),
         "Published, of one measurement: gamma 12.0 sliding and 10.5 sticking (+14 %), mu 0.693 "
         "and 0.700 kPa (-1 %), C 0.41 and 0.44, tau 4.7 and 4.8 s."};
     const StudyTable table = found_table(rows, friction_label, "radius of the edge, mm", {});
@@ -329,7 +330,7 @@ Study make_aspiration_friction_study(const StudyOptions&) {
                 friction_report};
     for (const double edge_mm : {0.05, 0.1, 0.2, 0.4})
         study.cases.push_back(
-            friction_case(edge_mm == 0.1 ? enough_friction : stick_friction, edge_mm));
+            friction_case(edge_mm <= sharp_edge_mm ? enough_friction : stick_friction, edge_mm));
     for (const double edge_mm : {0.05, 0.1, 0.2, 0.4})
         study.cases.push_back(friction_case(less_friction, edge_mm));
     return study;

@@ -44,8 +44,8 @@ TEST(AxisFinder, WaitsForTissue) {
     for (int k = 0; k < 9; ++k) finder.add(cap(true));
     EXPECT_TRUE(finder.is_settled());
     EXPECT_NEAR(finder.column(), 70, 0.1);
-    EXPECT_LT(finder.sides().asymmetry_mm, 0.005);
-    EXPECT_GT(finder.sides().num_pairs, 100);
+    EXPECT_LT(finder.sides_about(70).asymmetry_mm, 0.005);
+    EXPECT_GT(finder.sides_about(70).num_pairs, 100);
 }
 
 TEST(AxisFinder, ATakenColumnStaysAndItsSidesAreCompared) {
@@ -53,7 +53,17 @@ TEST(AxisFinder, ATakenColumnStaysAndItsSidesAreCompared) {
     EXPECT_TRUE(finder.is_settled());
     for (int k = 0; k < 3; ++k) finder.add(cap(true));
     EXPECT_EQ(finder.column(), 75);
-    EXPECT_GT(finder.sides().asymmetry_mm, 0.05);
+    EXPECT_GT(finder.sides_about(75).asymmetry_mm, 0.05);
+}
+
+TEST(ProfileWriter, AfterTwoThousandFramesWithoutTissueTheMiddleStaysTheAxis) {
+    ProfileWriter writer(instrument(), [](const std::string&) {});
+    for (int k = 0; k < 2000; ++k) writer.add(cap(false), 0.04 * k);
+    for (int k = 2000; k < 2020; ++k) writer.add(cap(true), 0.04 * k);
+    writer.finish();
+    EXPECT_EQ(writer.axis().column, 89.5);
+    EXPECT_FALSE(writer.axis().is_known);
+    EXPECT_GT(writer.axis().asymmetry_mm, 0.1);
 }
 
 TEST(ProfileWriter, RowsOfFramesBeforeTissueCameWaitForTheAxis) {

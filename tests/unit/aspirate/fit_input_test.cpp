@@ -167,6 +167,14 @@ TEST(ProfileAxis, OfAFewFramesIsNotDrawnByABubble) {
             EXPECT_GT(found.num_pairs, 100);
             EXPECT_NEAR(found.asymmetry_mm, 0.28 * up_mm, 0.1 * up_mm + 1e-3);
         }
+    // level tissue, and a frame three times as wide as the hole
+    FrameProfile level, wide;
+    for (double r = -4.5; r < 4.55; r += 0.06) level.points.push_back({r, 1, 0.01});
+    EXPECT_EQ(find_axis({level}, radius_mm).r_mm, 0);
+    for (double r = -15; r < 15; r += 0.06)
+        wide.points.push_back({r, 1.2 * (1 - (r - 4) * (r - 4) / 27), 0.01,
+                               std::abs(r - 4) < 4.5 ? PointFlag::ok : PointFlag::hidden});
+    EXPECT_NEAR(find_axis({wide}, radius_mm).r_mm, 4, 0.03);
     const ProfileAxis nothing = find_axis({{0, {}}}, radius_mm);
     EXPECT_EQ(nothing.r_mm, 0);
     EXPECT_EQ(nothing.num_pairs, 0);

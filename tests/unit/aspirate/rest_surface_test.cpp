@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "host/apps/aspirate/tissue_experiment.hpp"
 
@@ -107,6 +108,18 @@ TEST_F(MovedRest, CountsNoFartherThanItMoved) {
     EXPECT_NEAR(sucked.moved_mm[1], height_at(4.2) - before_mm, 0.01);
     EXPECT_GT(sucked.moved_mm[2], -0.5 * cap_at(4.6));  // it has gone no lower than the rim
     EXPECT_LT(sucked.moved_mm[2], -0.05);
+}
+
+TEST_F(MovedRest, NeverCountsMoreThanWasAskedFor) {
+    std::mt19937 engine(5);
+    std::normal_distribution<double> normal(0, 0.1);
+    for (int round = 0; round < 2000; ++round) {
+        SuckedBody body = sucked;
+        const std::vector<double> by_mm{normal(engine), normal(engine), normal(engine)};
+        move_rest(body, by_mm);
+        for (std::size_t k = 0; k < by_mm.size(); ++k)
+            EXPECT_LE(std::abs(body.moved_mm[k]), std::abs(by_mm[k]) + 1e-12);
+    }
 }
 
 TEST_F(MovedRest, ComesDownToTheEndOfTheRimAndNoLower) {

@@ -72,6 +72,12 @@ TEST(Discretisation, ShiftsThatHideEachOtherAreNoLessUnknown) {
         {Eigen::VectorXd::Constant(1, much), Eigen::VectorXd::Constant(1, -much)}, found, known);
     EXPECT_NEAR(known.parameters[0].discretisation_shift, 0, 1e-12);
     EXPECT_NEAR(known.parameters[0].discretisation_sd, std::sqrt(2.0) * much, 1e-12);
+
+    // and of one sign their sum counts
+    Identified same = identify(problem, found, {});
+    const Eigen::VectorXd one = Eigen::VectorXd::Constant(1, 1.2 * same.parameters[0].sd);
+    correct_for_discretisation({one, one}, found, same);
+    EXPECT_NEAR(same.parameters[0].discretisation_sd, std::sqrt(2.0) * one[0], 1e-12);
 }
 
 TEST(Discretisation, AnIntervalThatItWidensBeyondAFactorOfTwoIsRecoveredNoLonger) {
