@@ -10,10 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/apps/aspirate/contours/contour_tracker.hpp"
 #include "host/apps/aspirate/contours/published_outline.hpp"
+#include "host/apps/aspirate/median.hpp"
 #include "host/apps/study/aspiration_film.hpp"
 
 namespace palpate {
@@ -56,9 +58,7 @@ double far_from_truth(const Film& film, Index frame, const Outline& outline) {
     for (std::size_t x = 0; x < truth.size(); ++x)
         if (outline[x].flag == PointFlag::ok && truth[x] <= film.truth.visible_rows() - 6)
             away.push_back(std::abs(outline[x].row - truth[x]));
-    const auto middle = away.begin() + std::ptrdiff_t(away.size() / 2);
-    std::nth_element(away.begin(), middle, away.end());
-    return *middle;
+    return median(std::move(away));
 }
 
 template <typename Tracker>

@@ -51,7 +51,8 @@ void BackgroundField::gather(const std::vector<float>& columns, Index stride,
             const float row = float(y);
             const float value = columns[x * stride + y];
             const float residual = value - (p[0] + row * (p[1] + row * p[2]));
-            if (y % 2 == 1) residuals_.push_back(std::abs(residual));
+            if (y % 2 == 1)  // every other sample tells the noise as well
+                residuals_.push_back(std::abs(residual));
             if (std::abs(residual) > limit) continue;
             const double v = per_row * double(y) - 1, grey = double(value), v2 = v * v;
             powers[0] += 1;

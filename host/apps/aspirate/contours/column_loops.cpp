@@ -10,7 +10,6 @@
 namespace palpate {
 namespace {
 
-constexpr Index step_rows = 5;  // that the means of a step are taken of
 // Least-squares derivative of seven taps (Vuskovic and Kauer), as correlation weights
 constexpr float tap1 = 0.833812F, tap2 = -0.229945F, tap3 = 0.0420264F;
 constexpr float half1 = tap1 / 2, half12 = (tap1 + tap2) / 2, half23 = (tap2 + tap3) / 2,

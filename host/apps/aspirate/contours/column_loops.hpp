@@ -35,6 +35,9 @@ void pixel_evidence(const float* smooth, const EvidenceScales& scales, Index end
 /// cost[y] = sum of the evidence of rows before y, y from 0 to end.
 void sum_before(const float* evidence, Index end, float* cost);
 
+/// Rows that are added up on either side of a step.
+inline constexpr Index step_rows = 5;
+
 /// How much a step of brightness earns, in units of costs.
 struct StepRewards {
     float per_step = 1, most_step = 1;    ///< of the difference of sums of five rows

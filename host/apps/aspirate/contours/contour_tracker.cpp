@@ -172,7 +172,7 @@ void ContourTracker::weigh_steps() {
         float* cost = &search_.cost()[x * search_.stride()];
         const float contrast = std::max(full_part * tissue_[x], 5 * smooth_sigma_);
         reward_steps(&residual_[x * stride_],
-                     {step_reward / (contrast * 5), step_reward,
+                     {step_reward / (contrast * float(step_rows)), step_reward,
                       derivative_reward / (0.35F * contrast), derivative_reward},
                      rows_, &column_sum_[x * stride_], cost);
         if (has_last_)
