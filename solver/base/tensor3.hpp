@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <type_traits>
+
 #include "solver/base/device.hpp"
 
 // 3x3 algebra in plain arrays, for host loops and device kernels; the twin of kernels/tensor3.cl.
@@ -28,13 +30,13 @@ PALPATE_DEVICE Real double_dot(const Tensor3<Real>& a, const Tensor3<Real>& b) {
 
 /// a += s I
 template <typename Real>
-PALPATE_DEVICE void add_diagonal(Tensor3<Real>& a, Real s) {
+PALPATE_DEVICE void add_diagonal(Tensor3<Real>& a, std::type_identity_t<Real> s) {
     for (int i = 0; i < 3; ++i) a.m[4 * i] += s;
 }
 
 /// s a
 template <typename Real>
-PALPATE_DEVICE Tensor3<Real> scaled(const Tensor3<Real>& a, Real s) {
+PALPATE_DEVICE Tensor3<Real> scaled(const Tensor3<Real>& a, std::type_identity_t<Real> s) {
     Tensor3<Real> b;
     for (int i = 0; i < 9; ++i) b.m[i] = s * a.m[i];
     return b;
@@ -42,8 +44,8 @@ PALPATE_DEVICE Tensor3<Real> scaled(const Tensor3<Real>& a, Real s) {
 
 /// a x + b y
 template <typename Real>
-PALPATE_DEVICE Tensor3<Real> sum_of(Real a, const Tensor3<Real>& x, Real b,
-                                    const Tensor3<Real>& y) {
+PALPATE_DEVICE Tensor3<Real> sum_of(std::type_identity_t<Real> a, const Tensor3<Real>& x,
+                                    std::type_identity_t<Real> b, const Tensor3<Real>& y) {
     Tensor3<Real> sum;
     for (int i = 0; i < 9; ++i) sum.m[i] = a * x.m[i] + b * y.m[i];
     return sum;
