@@ -94,6 +94,30 @@ struct FiniteStrainLaw {
         return times(s.strain.inverse_transposed, d);
     }
 
+    /// Column e: dP by entry entries[e] = 3 i + k of dF, of those entries [count] of P alone. With
+    /// G = F^-T, W = G 2 e and Q = shear (F - W) - pressure G the products of `tangent_apply` are
+    ///   dP_ab = shear d_ai d_bk + (shear_by_distortion W_ik + shear_by_volume G_ik) W_ab
+    ///         + (pressure_by_volume G_ik + (pressure_by_strain - 2 shear) F_ik / 3) G_ab
+    ///         + G_ak Q_ib.
+    PALPATE_DEVICE void moduli(const State& s, const int* entries, int count,
+                               Tensor3<Real>* columns) const {
+        const Response<Real>& r = s.response;
+        const Tensor3<Real>&f = s.strain.f, &g = s.strain.inverse_transposed;
+        const Tensor3<Real> w = times(g, s.strain.twice_deviator);
+        const Tensor3<Real> q = sum_of(Real(1), sum_of(r.shear, f, -r.shear, w), -r.pressure, g);
+        const Real by_strain = (r.pressure_by_strain - 2 * r.shear) / 3;
+        for (int e = 0; e < count; ++e) {
+            const int ik = entries[e], i = 3 * (ik / 3), k = ik % 3;
+            const Real on_w = r.shear_by_distortion * w.m[ik] + r.shear_by_volume * g.m[ik];
+            const Real on_g = r.pressure_by_volume * g.m[ik] + by_strain * f.m[ik];
+            for (int h = 0; h < count; ++h) {
+                const int ab = entries[h], a = 3 * (ab / 3), b = ab % 3;
+                columns[e].m[ab] = on_w * w.m[ab] + on_g * g.m[ab] + g.m[a + k] * q.m[i + b];
+            }
+            columns[e].m[ik] += r.shear;
+        }
+    }
+
     PALPATE_DEVICE Real parameter_energy(const State& s, int k) const {
         return s.is_valid ? law().parameter_response(s.strain, k).energy : Real(0);
     }

@@ -172,12 +172,9 @@ public:
         MeanCurvature<Real> curvature(this->element_, this->volume_ * theta_, this->mean_pressure_);
         for (int q = 0; q < this->count_; ++q) {
             const Point& point = points_[q];
-            const auto moduli = [&](const Tensor3<Real>& df) {
-                return this->law(q).tangent_apply(this->states_[q], df);
-            };
             curvature.add_point({this->element_.point(q), point.f, point.g, point.stress,
                                  point.scale, 1 + point.volume_change, point.pressure},
-                                moduli);
+                                this->law(q), this->states_[q]);
         }
         curvature.add_to(blocks);
     }

@@ -69,7 +69,7 @@ PALPATE_DEVICE void element_tangent(const Law& law, const SolidElement<Real>& el
             for (int k = 0; k < size; ++k) blocks[k] = 0;
             return;
         }
-        moduli_of([&](const Tensor3<Real>& dh) { return law.tangent_apply(state, dh); }, moduli);
+        moduli_of(law, state, moduli);
         add_stiffness(point, moduli, blocks);
     }
 }

@@ -125,6 +125,34 @@ PALPATE_DEVICE void add_stiffness(const SolidPoint<Real>& point, const Tensor3<R
         }
 }
 
+template <class Law>
+concept HasModuli = requires(const Law law, const typename Law::State state, const int* entries,
+                             Tensor3<typename Law::Number>* columns) {
+    law.moduli(state, entries, 1, columns);
+};
+
+/// Column e: dP by entry entries[e] of H, at least of those entries [count] of P.
+template <class Law>
+PALPATE_DEVICE void moduli_of(const Law& law, const typename Law::State& state, const int* entries,
+                              int count, Tensor3<typename Law::Number>* columns) {
+    if constexpr (HasModuli<Law>) {
+        law.moduli(state, entries, count, columns);
+    } else {
+        for (int e = 0; e < count; ++e) {
+            Tensor3<typename Law::Number> unit{};
+            unit.m[entries[e]] = 1;
+            columns[e] = law.tangent_apply(state, unit);
+        }
+    }
+}
+/// All nine.
+template <class Law>
+PALPATE_DEVICE void moduli_of(const Law& law, const typename Law::State& state,
+                              Tensor3<typename Law::Number>* columns) {
+    const int entries[9] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+    moduli_of(law, state, entries, 9, columns);
+}
+
 /// Writes moduli [9], dP by each entry of H. `tangent_apply`: dP of a dH.
 template <typename Real, class TangentApply>
 PALPATE_DEVICE void moduli_of(const TangentApply& tangent_apply, Tensor3<Real>* moduli) {
