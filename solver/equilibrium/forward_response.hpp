@@ -13,12 +13,15 @@
 // Changes of one element with what its laws and its viscous step are made of, for forward columns.
 namespace palpate {
 
-/// A direction in what the stress of an element is made of, per unit of one parameter.
-struct ElementChange {
-    std::span<const double> parameters;               ///< [parameters] of the law
-    double factor = 0;                                ///< of the viscous step
-    std::span<const Tensor3<double>> prestress = {};  ///< [points] kPa; empty: none
+/// A direction in what the stress of an element, or of some side by side, is made of, per unit of
+/// one parameter.
+template <typename Real>
+struct ChangeOf {
+    std::span<const double> parameters;             ///< [parameters] of the law
+    double factor = 0;                              ///< of the viscous step
+    std::span<const Tensor3<Real>> prestress = {};  ///< [points] kPa; empty: none
 };
+using ElementChange = ChangeOf<double>;
 
 /// What of a point serves all changes: what relaxes, if anything does.
 template <class Law>
@@ -31,10 +34,10 @@ auto relaxing_at(const Law& law, const typename Law::State& state) {
 
 /// dP at point q while H stays, of a law or a viscous step.
 template <class Law, class Relaxing>
-Tensor3<double> held_stress_change(const Law& law, const typename Law::State& state,
-                                   const Relaxing& relaxing, std::size_t q,
-                                   const ElementChange& change) {
-    Tensor3<double> sum{};
+Tensor3<typename Law::Number> held_stress_change(const Law& law, const typename Law::State& state,
+                                                 const Relaxing& relaxing, std::size_t q,
+                                                 const ChangeOf<typename Law::Number>& change) {
+    Tensor3<typename Law::Number> sum{};
     for (std::size_t k = 0; k < change.parameters.size(); ++k)
         // dP = dP/dp_k dp_k + P of what relaxes dfactor + F dQ
         if (change.parameters[k] != 0)

@@ -8,6 +8,7 @@
 
 #include "solver/base/tensor3.hpp"
 #include "solver/equilibrium/element_loops.hpp"
+#include "solver/equilibrium/solid_change.hpp"
 #include "solver/model/block_matrix.hpp"
 #include "solver/model/solid_model.hpp"
 
@@ -29,19 +30,14 @@ struct ViscousSlopes {
     std::vector<std::vector<double>> parameters;  ///< [materials][parameters]
 };
 
-/// A direction in what forces are made of at held displacements, per unit of one parameter.
-struct SolidChange {
-    std::vector<std::vector<double>> parameters;  ///< [materials][parameters]; empty: none
-    std::vector<double> factor;                   ///< [materials] of a viscous step; empty: none
-    std::vector<Tensor3<double>> prestress;       ///< [num_elements, num_points]; empty: none
-};
-
 /// What one quadrature point goes through.
 struct PointState {
     Tensor3<double> gradient;  ///< H as its law has it (mean volume, plane stress)
     Tensor3<double> stress;    ///< first Piola, kPa, that the forces are made of; 0 if not valid
     double volume = 0;         ///< undeformed, mm^3
 };
+
+struct AssemblyTables;
 
 /// Energy, forces and stiffness of a SolidModel at a displacement (total Lagrangian: all integrals
 /// over the undeformed mesh), in fp64. Forces, tangents and parameter products of the laws alone
@@ -99,8 +95,7 @@ public:
         const std::vector<SolidChange>& changes) const;
 
 private:
-    struct Tables;
-    std::unique_ptr<Tables> tables_;
+    std::unique_ptr<AssemblyTables> tables_;
 };
 
 }  // namespace palpate

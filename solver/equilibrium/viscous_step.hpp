@@ -9,6 +9,7 @@
 #include "solver/base/tensor3.hpp"
 #include "solver/materials/isochoric.hpp"
 #include "solver/materials/linear_law.hpp"
+#include "solver/model/solid_geometry.hpp"
 
 namespace palpate {
 
@@ -23,23 +24,23 @@ template <class Relaxation>
 inline constexpr bool is_viscous_step<ViscousStep<Relaxation>> = true;
 
 /// F^-1 p or, transposed, F^-T p; for small strains p itself.
-template <bool small_strain>
-Tensor3<double> inverse_times(const Tensor3<double>& h, const Tensor3<double>& p) {
+template <bool small_strain, typename Real>
+Tensor3<Real> inverse_times(const Tensor3<Real>& h, const Tensor3<Real>& p) {
     if constexpr (small_strain) {
         return p;
     } else {
-        Tensor3<double> f = h;
-        add_diagonal(f, 1.0);
+        Tensor3<Real> f = h;
+        add_diagonal(f, Real(1));
         return scaled(transposed_times(cofactors(f), p), 1 / (1 + determinant_change(h)));
     }
 }
-template <bool small_strain>
-Tensor3<double> inverse_transposed_times(const Tensor3<double>& h, const Tensor3<double>& p) {
+template <bool small_strain, typename Real>
+Tensor3<Real> inverse_transposed_times(const Tensor3<Real>& h, const Tensor3<Real>& p) {
     if constexpr (small_strain) {
         return p;
     } else {
-        Tensor3<double> f = h;
-        add_diagonal(f, 1.0);
+        Tensor3<Real> f = h;
+        add_diagonal(f, Real(1));
         return scaled(times(cofactors(f), p), 1 / (1 + determinant_change(h)));
     }
 }
@@ -113,70 +114,80 @@ private:
 /// above.
 template <class Relaxation>
 struct ViscousStep {
-    using Number = double;
+    using Number = typename Relaxation::Whole::Number;
+    using Tensor = Tensor3<Number>;
     static constexpr bool small_strain = is_small_strain<typename Relaxation::Whole>;
     struct State {
         typename Relaxation::State relaxing;
-        Tensor3<double> h;
+        Tensor h;
         bool is_valid;
     };
 
     Relaxation relaxation;
-    Tensor3<double> prestress{};  ///< symmetric, kPa
+    Tensor prestress{};  ///< symmetric, kPa
 
     /// What relaxes at one state, for any number of changes there.
     struct Relaxing {
         std::decay_t<decltype(std::declval<const Relaxation&>().state_of_part(
             std::declval<const typename Relaxation::State&>()))>
             part;
-        Tensor3<double> stress;  ///< first Piola, kPa
+        Tensor stress;  ///< first Piola, kPa
     };
     Relaxing relaxing_at(const State& s) const {
         const auto part = relaxation.state_of_part(s.relaxing);
         return {part, relaxation.part().stress(part)};
     }
 
-    State state(const Tensor3<double>& h) const {
+    State state(const Tensor& h) const {
         const auto relaxing = relaxation.state(h);
         return {relaxing, h, relaxing.is_valid};
     }
-    double energy(const State& s) const {
+    Number energy(const State& s) const {
         // prestress is symmetric: prestress : E = prestress : (H + H^T H / 2)
-        double work = double_dot(prestress, s.h);
+        Number work = double_dot(prestress, s.h);
         if constexpr (!small_strain)
             work += 0.5 * double_dot(prestress, transposed_times(s.h, s.h));
         return relaxation.energy(s.relaxing) + work;
     }
-    Tensor3<double> stress(const State& s) const {
+    Tensor stress(const State& s) const {
         return with_prestress(relaxation.stress(s.relaxing), s.h, 1.0);
     }
-    Tensor3<double> tangent_apply(const State& s, const Tensor3<double>& dh) const {
+    Tensor tangent_apply(const State& s, const Tensor& dh) const {
         return with_prestress(relaxation.tangent_apply(s.relaxing, dh), dh, 0.0);
     }
+    void moduli(const State& s, const int* entries, int count,
+                Tensor* columns) const requires HasModuli<Relaxation> {
+        relaxation.moduli(s.relaxing, entries, count, columns);
+        for (int e = 0; e < count; ++e) {
+            // dH prestress, dH = e_i (outer) e_k
+            const int ik = entries[e], i = ik / 3, k = ik % 3;
+            for (int h = 0; h < count && !small_strain; ++h)
+                if (entries[h] / 3 == i)
+                    columns[e].m[entries[h]] += prestress.m[3 * k + entries[h] % 3];
+        }
+    }
     /// What earlier steps left is held.
-    Tensor3<double> parameter_stress(const State& s, int k) const {
+    Tensor parameter_stress(const State& s, int k) const {
         return relaxation.parameter_stress(s.relaxing, k);
     }
 
     /// By a parameter: the first Piola stress of what relaxes.
-    Tensor3<double> relaxing_parameter_stress(const Relaxing& r, int k) const {
+    Tensor relaxing_parameter_stress(const Relaxing& r, int k) const {
         return relaxation.part().parameter_stress(r.part, k);
     }
     /// Derivative of slope : S by H:
     ///   A[G] - G S,  G = F^-T slope,  A the tangent of what relaxes
-    Tensor3<double> relaxing_stress_slope(const State& s, const Relaxing& r,
-                                          const Tensor3<double>& slope) const {
-        const Tensor3<double> g = inverse_transposed_times<small_strain>(s.h, slope);
-        const Tensor3<double> change = relaxation.part().tangent_apply(r.part, g);
+    Tensor relaxing_stress_slope(const State& s, const Relaxing& r, const Tensor& slope) const {
+        const Tensor g = inverse_transposed_times<small_strain>(s.h, slope);
+        const Tensor change = relaxation.part().tangent_apply(r.part, g);
         if constexpr (small_strain) return change;
         return sum_of(1.0, change, -1.0, times(g, inverse_times<small_strain>(s.h, r.stress)));
     }
     /// The change of S with H and with parameters of the law, per unit [parameters]:
     ///   dS = F^-1 (A[dH] + sum dP/dp_k dp_k - dH S)
-    Tensor3<double> relaxing_stress_change(const State& s, const Relaxing& r,
-                                           const Tensor3<double>& dh,
-                                           std::span<const double> parameters) const {
-        Tensor3<double> change = relaxation.part().tangent_apply(r.part, dh);
+    Tensor relaxing_stress_change(const State& s, const Relaxing& r, const Tensor& dh,
+                                  std::span<const double> parameters) const {
+        Tensor change = relaxation.part().tangent_apply(r.part, dh);
         for (std::size_t k = 0; k < parameters.size(); ++k)
             if (parameters[k] != 0)
                 change = sum_of(1.0, change, parameters[k],
@@ -187,14 +198,14 @@ struct ViscousStep {
         return inverse_times<small_strain>(s.h, change);
     }
     /// What a change of `prestress` adds to P: F dQ.
-    Tensor3<double> prestress_stress(const State& s, const Tensor3<double>& change) const {
+    Tensor prestress_stress(const State& s, const Tensor& change) const {
         if constexpr (small_strain) return change;
         return sum_of(1.0, change, 1.0, times(s.h, change));
     }
     /// For which `prestress` does the work that the direction D does on what it adds to P:
     /// the symmetric part of F^T D.
-    Tensor3<double> prestress_slope(const State& s, const Tensor3<double>& direction) const {
-        Tensor3<double> slope = direction;
+    Tensor prestress_slope(const State& s, const Tensor& direction) const {
+        Tensor slope = direction;
         if constexpr (!small_strain)
             slope = sum_of(1.0, slope, 1.0, transposed_times(s.h, direction));
         return scaled(twice_symmetric_part(slope), 0.5);
@@ -202,9 +213,8 @@ struct ViscousStep {
 
 private:
     /// p + (identity I + h) prestress, the last term without h for small strains.
-    Tensor3<double> with_prestress(const Tensor3<double>& p, const Tensor3<double>& h,
-                                   double identity) const {
-        Tensor3<double> sum = sum_of(1.0, p, identity, prestress);
+    Tensor with_prestress(const Tensor& p, const Tensor& h, double identity) const {
+        Tensor sum = sum_of(1.0, p, identity, prestress);
         if constexpr (!small_strain) sum = sum_of(1.0, sum, 1.0, times(h, prestress));
         return sum;
     }
