@@ -14,10 +14,6 @@
 
 namespace palpate {
 
-/// A lead in ln evidence that is "not worth more than a bare mention" (Kass and Raftery 1995, 2 ln
-/// B below 2): of two models so near each other the one with fewer numbers is taken.
-inline constexpr double bare_mention = 1;
-
 struct IdentifyOptions {
     GaussNewtonOptions gauss_newton;  ///< of the searches along profiles
     /// A profile is followed where, at the quadratic interval's ends, it differs from the quadratic

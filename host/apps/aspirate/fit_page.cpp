@@ -9,6 +9,7 @@
 #include <map>
 
 #include "host/apps/aspirate/tissue_tree.hpp"
+#include "host/estimate/model_choice.hpp"
 #include "host/page/legend.hpp"
 #include "host/page/markup.hpp"
 #include "host/page/page.hpp"
@@ -157,21 +158,15 @@ std::string residual_picture(const AspirationFit& fit) {
 
 const TriedModel& AspirationFit::best() const {
     const auto is_trusted = [](const TriedModel& one) { return one.found->distrust().empty(); };
-    const auto evidence = [](const TriedModel& one) { return one.found->identified.log_evidence; };
-    const auto rank = [&](const TriedModel& one) {
-        return std::pair(is_trusted(one), evidence(one));
-    };
-    const TriedModel& highest = *std::max_element(
-        models.begin(), models.end(),
-        [&](const TriedModel& a, const TriedModel& b) { return rank(a) < rank(b); });
-    const TriedModel* simplest = &highest;
-    for (const TriedModel& one : models)
-        if (is_trusted(one) == is_trusted(highest) &&
-            evidence(one) > evidence(highest) - bare_mention &&
-            std::pair(-one.num_parameter(), evidence(one)) >
-                std::pair(-simplest->num_parameter(), evidence(*simplest)))
-            simplest = &one;
-    return *simplest;
+    const bool is_any_trusted = std::any_of(models.begin(), models.end(), is_trusted);
+    std::vector<ModelCandidate> candidates;
+    std::vector<const TriedModel*> tried;
+    for (const TriedModel& one : models) {
+        if (is_any_trusted && !is_trusted(one)) continue;
+        candidates.push_back({one.found->identified.log_evidence, one.num_parameter()});
+        tried.push_back(&one);
+    }
+    return *tried[preferred_model(candidates)];
 }
 
 std::vector<std::string> AspirationFit::warnings() const {

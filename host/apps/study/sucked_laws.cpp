@@ -18,6 +18,7 @@
 #include "host/apps/study/tables.hpp"
 #include "host/estimate/fit.hpp"
 #include "host/estimate/identified.hpp"
+#include "host/estimate/model_choice.hpp"
 #include "host/io/files.hpp"
 #include "host/page/plot.hpp"
 #include "solver/base/error.hpp"
@@ -180,23 +181,19 @@ double best_of_law(const Row& row, const std::string& law) {
     return best;
 }
 
-/// What comes first: the highest evidence, or of what is less than a bare mention behind it the
-/// model with the fewest numbers.
+/// What comes first (`preferred_model`); empty where there is no usable model.
 std::pair<std::string, int> first_of(const Row& row) {
-    double highest = -std::numeric_limits<double>::infinity();
-    for (const std::string& law : laws()) highest = std::max(highest, best_of_law(row, law));
-    std::pair<std::string, int> first;
-    std::pair<int, double> simplest{std::numeric_limits<int>::min(), 0.0};
+    std::vector<std::pair<std::string, int>> names;
+    std::vector<ModelCandidate> candidates;
     for (const std::string& law : laws())
         for (int terms = 0; terms <= most_terms; ++terms) {
             if (!is_usable(row, law, terms)) continue;
-            const double evidence = row.number(model_name(law, terms));
-            const std::pair rank{-2 * terms - (law == soft_law ? 1 : 2), evidence};
-            if (!(evidence > highest - bare_mention) || rank <= simplest) continue;
-            simplest = rank;
-            first = {law, terms};
+            names.emplace_back(law, terms);
+            candidates.push_back(
+                {row.number(model_name(law, terms)), 2 * terms + (law == soft_law ? 1 : 2)});
         }
-    return first;
+    if (candidates.empty()) return {};
+    return names[preferred_model(candidates)];
 }
 
 /// How often what was right came first, and in how many rows there was something to compare: a law
