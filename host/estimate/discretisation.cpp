@@ -71,9 +71,10 @@ void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, cons
         const double centre = fit.transformed[at], sd = share * size;
         found.discretisation_shift = shift;
         found.discretisation_sd = sd;
+        // What is not known moves as far as it likes, and might leave its own interval.
+        if (found.judgement.verdict == Verdict::not_identifiable) continue;
         found.value = std::clamp(to_value(found.parameter, centre + shift), found.parameter.lowest,
                                  found.parameter.highest);
-        if (found.judgement.verdict == Verdict::not_identifiable) continue;
         const bool has_model_error = model_sd.size() > 0 && !found.parameter.is_nuisance &&
                                      found.parameter.transform == Transform::log;
         const double wider = has_model_error ? std::hypot(sd, model_sd[at]) : sd;

@@ -27,7 +27,8 @@ inline Eigen::VectorXd shift_by_discretisation(const std::vector<Parameter>& par
 /// of delta for p = 2, twice delta for p = 1 (Richardson). Values move by 4/3 of the sum. What is
 /// not known joins the intervals in quadrature: a third of each delta, for the order, and up to all
 /// of it where 4/3 of their sum, or of their root of squares, is three sd and more, because then
-/// more than the first order counts, whatever their signs. Verdicts follow the new intervals.
+/// more than the first order counts, whatever their signs. Verdicts follow the new intervals. What
+/// is not identifiable keeps its value and its interval.
 ///   model_sd   [num_parameter] of what else a model has wrong, of logarithms: joins the intervals
 ///              of what is searched for as one and is no nuisance; empty: nothing
 void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, const Fit& fit,

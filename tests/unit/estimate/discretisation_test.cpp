@@ -94,6 +94,18 @@ TEST(Discretisation, AnIntervalThatItWidensBeyondAFactorOfTwoIsRecoveredNoLonger
     EXPECT_EQ(known.parameters[0].judgement.verdict, Verdict::weak);
 }
 
+TEST(Discretisation, ANumberThatIsNotIdentifiableStaysInItsInterval) {
+    const ToyProblem problem = stretched(0, 2);
+    const Fit found = fit(problem, {});
+    Identified known = identify(problem, found, {});
+    known.parameters[0].judgement.verdict = Verdict::not_identifiable;
+    const IdentifiedParameter before = known.parameters[0];
+    correct_for_discretisation({Eigen::VectorXd::Constant(1, 2)}, found, known);
+    EXPECT_EQ(known.parameters[0].value, before.value);
+    EXPECT_EQ(known.parameters[0].interval, before.interval);
+    EXPECT_NEAR(known.parameters[0].discretisation_shift, 8.0 / 3, 1e-12);
+}
+
 TEST(Discretisation, WhatElseAModelHasWrongWidensLogarithmsAloneAndNoNuisance) {
     const ToyProblem problem = stretched(0, 2);
     const Fit found = fit(problem, {});
