@@ -22,24 +22,15 @@ def test_a_strip_of_this_folder_s_law_is_that_law(tmp_path):
 
 
 def test_what_a_film_leaves_open_goes_along_what_it_knows():
-    parameters = [{"path": "material[1].mu_kpa", "value": 2.0, "interval_95": [1.9, 2.1],
-                   "correlates_most_with": "gamma", "correlation": -0.9},
-                  {"path": "material[1].gamma", "value": 9.0, "interval_95": [8.0, 10.1]}]
-    draws, centre, knows_correlation = strips.law_of_film({"parameters": parameters})
-    assert knows_correlation
+    result = {"parameters": [{"path": "data[1].r_scale"},
+                             {"path": "material[1].mu_kpa", "value": 2.0, "interval_95": [1.9, 2.1], "verdict": "recovered"},
+                             {"path": "material[1].gamma", "value": 9.0, "interval_95": [8.0, 10.1], "verdict": "recovered"}],
+              "combinations": {"correlation": [[1, 0.2, 0.3], [0.2, 1, -0.9], [0.3, -0.9, 1]]}}
+    draws, centre = strips.law_of_film(result)
     assert np.exp(centre) == pytest.approx([2, 9])
     assert draws.std(axis=0) == pytest.approx([math.log(2.1 / 1.9) / 3.92, math.log(10.1 / 8) / 3.92], rel=0.05)
     assert np.corrcoef(draws.T)[0, 1] == pytest.approx(-0.9, abs=0.02)
 
-    parameters[0]["correlates_most_with"] = "edge_radius_mm"
-    draws, _, knows_correlation = strips.law_of_film({"parameters": parameters})
-    assert not knows_correlation and abs(np.corrcoef(draws.T)[0, 1]) < 0.05
-    parameters[1] |= {"correlates_most_with": "mu", "correlation": 0.8}
-    assert np.corrcoef(strips.law_of_film({"parameters": parameters})[0].T)[0, 1] == pytest.approx(0.8, abs=0.03)
-
-
-def test_a_number_that_is_not_identifiable_is_refused():
-    parameters = [{"path": "material[1].mu_kpa", "value": 2.0, "interval_95": [1.9, 2.1]},
-                  {"path": "material[1].gamma", "value": 0.1, "interval_95": [0.3, 90]}]
+    result["parameters"][2]["verdict"] = "not identifiable"
     with pytest.raises(ValueError, match="not identifiable"):
-        strips.law_of_film({"parameters": parameters})
+        strips.law_of_film(result)
