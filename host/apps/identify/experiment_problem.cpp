@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/apps/identify/guess_transfer.hpp"
 #include "host/apps/identify/path_direction.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/tasks.hpp"
@@ -54,23 +55,29 @@ SimulationResult moved_along(const SimulationResult& simulation, int column, dou
     return moved;
 }
 
-/// u_n + (du_n/dp) dp at all times after rest, of the numbers that have columns; empty if the
+/// u_n + (du_n/dp) dp at all times of `settings`, of the numbers that have columns; empty if the
 /// earlier simulation did not come to its end.
 std::vector<Eigen::VectorXd> guesses_from(const ExperimentPrediction& earlier,
-                                          const Eigen::VectorXd& values) {
-    std::vector<Eigen::VectorXd> guesses;
-    if (!earlier.simulation || !earlier.simulation->converged()) return guesses;
+                                          const Eigen::VectorXd& values,
+                                          const std::optional<SimulationSettings>& settings) {
+    std::vector<Eigen::VectorXd> moved;
+    if (!settings || !earlier.simulation || !earlier.simulation->converged()) return moved;
     const SimulationResult& from = *earlier.simulation;
-    if (from.settings.dynamics) return guesses;
-    for (std::size_t s = 1; s < from.states.size(); ++s) {
+    if (from.settings.dynamics) return moved;
+    for (std::size_t s = 0; s < from.states.size(); ++s) {
         Eigen::VectorXd u = from.states[s].displacement;
         for (std::size_t k = 0; k < earlier.column_of.size(); ++k)
             if (earlier.column_of[k] >= 0 && s < from.columns.size())
                 u += from.columns[s].displacement.col(earlier.column_of[k]) *
                      (values[Eigen::Index(k)] - earlier.values[Eigen::Index(k)]);
-        guesses.push_back(std::move(u));
+        moved.push_back(std::move(u));
     }
-    return guesses;
+    return transferred_guesses(*settings, from, moved);
+}
+
+std::size_t next_number() {
+    static std::atomic<std::size_t> last = 0;
+    return ++last;
 }
 
 }  // namespace
@@ -81,18 +88,26 @@ ExperimentProblem::ExperimentProblem(const Experiment& experiment,
     : experiment_(experiment),
       configure_(std::move(configure)),
       jobs_(jobs),
-      progress_(std::move(progress)) {}
+      progress_(std::move(progress)),
+      number_(next_number()) {}
 
-std::shared_ptr<const SimulationResult> ExperimentProblem::simulate(const ExperimentSetup& setup,
-                                                                    SimulationWish wish) const {
-    if (!setup.simulation) return nullptr;
+std::optional<SimulationSettings> ExperimentProblem::configured(
+    const ExperimentSetup& setup) const {
+    if (!setup.simulation) return std::nullopt;
     SimulationSettings settings = *setup.simulation;
     configure_(settings);
-    if (!wish.guesses.empty()) limit_trial(settings.newton);
+    return settings;
+}
+
+std::shared_ptr<const SimulationResult> ExperimentProblem::simulate(
+    std::optional<SimulationSettings> settings, SimulationWish wish,
+    const ProgressSink& progress) const {
+    if (!settings) return nullptr;
+    if (!wish.guesses.empty()) limit_trial(settings->newton);
     ++num_simulation_;
     wish.fills_cells = false;
-    const auto ask_only = [this](const Progress&) { check_cancelled(progress_); };
-    return std::make_shared<const SimulationResult>(run_simulation(settings, ask_only, wish));
+    const auto ask_only = [&](const Progress&) { check_cancelled(progress); };
+    return std::make_shared<const SimulationResult>(run_simulation(*settings, ask_only, wish));
 }
 
 std::vector<Eigen::VectorXd> ExperimentProblem::read_off(const ExperimentSetup& setup,
@@ -103,34 +118,30 @@ std::vector<Eigen::VectorXd> ExperimentProblem::read_off(const ExperimentSetup& 
     return blocks;
 }
 
-void ExperimentProblem::simulate_with_columns(const ExperimentSetup& setup,
+void ExperimentProblem::simulate_with_columns(const std::optional<SimulationSettings>& settings,
                                               ExperimentPrediction& made,
                                               SimulationWish wish) const {
     made.column_of.assign(parameters().size(), -1);
-    if (!setup.simulation || setup.simulation->dynamics) {
-        made.simulation = simulate(setup, {});
+    if (!settings || settings->dynamics) {
+        made.simulation = simulate(settings, {}, progress_);
         return;
     }
-    SimulationSettings settings = *setup.simulation;
-    configure_(settings);
     wish.directions = [&](const PreparedSimulation& prepared, const std::vector<LoadTime>&) {
         std::vector<HistoryDirection> list;
         for (std::size_t k = 0; k < parameters().size(); ++k) {
             const auto moved = [&](double by) {
                 Eigen::VectorXd values = made.values;
                 values[Eigen::Index(k)] += by;
-                SimulationSettings other = *experiment_.at(values).simulation;
-                configure_(other);
-                return other;
+                return *configured(experiment_.at(values));
             };
-            auto direction = direction_of(experiment_.paths()[k], prepared, settings, moved);
+            auto direction = direction_of(experiment_.paths()[k], prepared, *settings, moved);
             if (!direction) continue;
             made.column_of[k] = static_cast<int>(list.size());
             list.push_back(std::move(*direction));
         }
         return list;
     };
-    made.simulation = simulate(setup, std::move(wish));
+    made.simulation = simulate(settings, std::move(wish), progress_);
 }
 
 PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
@@ -139,7 +150,7 @@ PredictionAttempt ExperimentProblem::predict(const Eigen::VectorXd& values,
     check_cancelled(progress_);
     const bool wants_columns = columns == PredictedColumns::wanted;
     const auto* earlier = dynamic_cast<const ExperimentPrediction*>(warm);
-    if (earlier && earlier->values == values &&
+    if (earlier && earlier->problem == number_ && earlier->values == values &&
         (!wants_columns || earlier->blocks.front().columns.size() > 0))
         return {std::make_shared<ExperimentPrediction>(*earlier), ""};
     try {
@@ -155,13 +166,15 @@ std::shared_ptr<const Prediction> ExperimentProblem::predicted_anew(
     const Eigen::VectorXd& values, bool wants_columns, const ExperimentPrediction* warm) const {
     auto made = std::make_shared<ExperimentPrediction>();
     made->values = values;
+    made->problem = number_;
     const ExperimentSetup setup = experiment_.at(values);
+    const std::optional<SimulationSettings> settings = configured(setup);
     SimulationWish wish;
-    if (warm) wish.guesses = guesses_from(*warm, values);
+    if (warm) wish.guesses = guesses_from(*warm, values, settings);
     if (wants_columns)
-        simulate_with_columns(setup, *made, std::move(wish));
+        simulate_with_columns(settings, *made, std::move(wish));
     else
-        made->simulation = simulate(setup, std::move(wish));
+        made->simulation = simulate(settings, std::move(wish), progress_);
     const auto predicted = read_off(setup, made->simulation.get());
     for (std::size_t k = 0; k < setup.data.size(); ++k) {
         made->blocks.push_back(setup.data[k]->block());
@@ -171,8 +184,9 @@ std::shared_ptr<const Prediction> ExperimentProblem::predicted_anew(
     return made;
 }
 
-std::vector<Eigen::VectorXd> ExperimentProblem::predicted_at(
-    double value, std::size_t parameter, const ExperimentPrediction& centre) const {
+std::vector<Eigen::VectorXd> ExperimentProblem::predicted_at(double value, std::size_t parameter,
+                                                             const ExperimentPrediction& centre,
+                                                             const ProgressSink& progress) const {
     const Eigen::Index k = Eigen::Index(parameter);
     Eigen::VectorXd values = centre.values;
     values[k] = value;
@@ -180,9 +194,10 @@ std::vector<Eigen::VectorXd> ExperimentProblem::predicted_at(
     if (!experiment_.moves_body(parameter)) return read_off(setup, centre.simulation.get());
     const int column = centre.column_of[parameter];
     if (column < 0) {
+        const std::optional<SimulationSettings> settings = configured(setup);
         SimulationWish wish;
-        wish.guesses = guesses_from(centre, values);
-        return read_off(setup, simulate(setup, std::move(wish)).get());
+        wish.guesses = guesses_from(centre, values, settings);
+        return read_off(setup, simulate(settings, std::move(wish), progress).get());
     }
     const SimulationResult moved =
         moved_along(*centre.simulation, column, value - centre.values[k]);
@@ -190,7 +205,8 @@ std::vector<Eigen::VectorXd> ExperimentProblem::predicted_at(
 }
 
 /// One-sided where a side has no solution.
-void ExperimentProblem::set_column(ExperimentPrediction& prediction, std::size_t parameter) const {
+void ExperimentProblem::set_column(ExperimentPrediction& prediction, std::size_t parameter,
+                                   const ProgressSink& progress) const {
     const Parameter& one = parameters()[parameter];
     const Eigen::Index k = Eigen::Index(parameter);
     const double t = to_transformed(one, prediction.values[k]);
@@ -198,7 +214,7 @@ void ExperimentProblem::set_column(ExperimentPrediction& prediction, std::size_t
     const auto side = [&](double sign) -> std::pair<double, std::vector<Eigen::VectorXd>> {
         const double value = to_value(one, t + sign * h);
         if (value >= one.lowest && value <= one.highest) try {
-                return {value, predicted_at(value, parameter, prediction)};
+                return {value, predicted_at(value, parameter, prediction, progress)};
             } catch (const Error& error) {
                 if (!is_of_values(error)) throw;
             }
@@ -219,7 +235,8 @@ void ExperimentProblem::add_columns(ExperimentPrediction& prediction) const {
     for (DataBlock& block : prediction.blocks)
         block.columns.setZero(block.num_row(), Eigen::Index(count));
     SharedProgress progress(progress_);
-    run_tasks(count, jobs_, progress, [&](std::size_t k) { set_column(prediction, k); });
+    run_tasks(count, jobs_, progress,
+              [&](std::size_t k) { set_column(prediction, k, progress.sink()); });
 }
 
 }  // namespace palpate

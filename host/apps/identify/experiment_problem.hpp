@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/apps/identify/experiment.hpp"
@@ -16,6 +17,7 @@ namespace palpate {
 /// What a model says, with the body that says it.
 struct ExperimentPrediction : Prediction {
     std::shared_ptr<const SimulationResult> simulation;  ///< null without a mesh
+    std::size_t problem = 0;                             ///< whose it is
     /// [num_parameter] column of `simulation->columns` of each; -1: none.
     std::vector<int> column_of = {};
 };
@@ -27,7 +29,8 @@ struct ExperimentPrediction : Prediction {
 /// what only changes how a body is read costs no simulation; for all others two whole simulations,
 /// side by side, are compared on the scale on which the parameter is searched,
 ///   d y/d t ~ (y(t + h) - y(t - h)) / 2h.
-/// A simulation with other values begins at all times from u_n + (du_n/dp) dp of an earlier one.
+/// A simulation with other values begins at all times from u_n + (du_n/dp) dp of an earlier one, of
+/// this problem or of one with other cells and times (`transferred_guesses`).
 class ExperimentProblem : public DataProblem {
 public:
     /// `experiment` must outlive this. `configure` sets how equations are solved. `jobs`
@@ -43,10 +46,12 @@ public:
     int num_simulation() const { return num_simulation_; }
 
 private:
-    std::shared_ptr<const SimulationResult> simulate(const ExperimentSetup& setup,
-                                                     SimulationWish wish) const;
-    void simulate_with_columns(const ExperimentSetup& setup, ExperimentPrediction& made,
-                               SimulationWish wish) const;
+    std::optional<SimulationSettings> configured(const ExperimentSetup& setup) const;
+    std::shared_ptr<const SimulationResult> simulate(std::optional<SimulationSettings> settings,
+                                                     SimulationWish wish,
+                                                     const ProgressSink& progress) const;
+    void simulate_with_columns(const std::optional<SimulationSettings>& settings,
+                               ExperimentPrediction& made, SimulationWish wish) const;
     std::shared_ptr<const Prediction> predicted_anew(const Eigen::VectorXd& values,
                                                      bool wants_columns,
                                                      const ExperimentPrediction* warm) const;
@@ -54,14 +59,17 @@ private:
                                           const SimulationResult* simulation) const;
     /// What is predicted where parameter `parameter` has another value.
     std::vector<Eigen::VectorXd> predicted_at(double value, std::size_t parameter,
-                                              const ExperimentPrediction& centre) const;
+                                              const ExperimentPrediction& centre,
+                                              const ProgressSink& progress) const;
     void add_columns(ExperimentPrediction& prediction) const;
-    void set_column(ExperimentPrediction& prediction, std::size_t parameter) const;
+    void set_column(ExperimentPrediction& prediction, std::size_t parameter,
+                    const ProgressSink& progress) const;
 
     const Experiment& experiment_;
     std::function<void(SimulationSettings&)> configure_;
     int jobs_;
     ProgressSink progress_;
+    std::size_t number_;  ///< of all problems
     mutable std::atomic<int> num_simulation_ = 0;
 };
 
