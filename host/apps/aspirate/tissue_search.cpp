@@ -11,6 +11,7 @@
 
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/resolution.hpp"
+#include "host/estimate/corrected_problem.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/tasks.hpp"
 
@@ -25,7 +26,9 @@ constexpr int most_steps_for_rest = 12;  // of each search
 /// At its end: what is left is a third of an sd, far less than models have wrong.
 constexpr double gain_at_end = 0.05;
 constexpr int noise_rounds_for_rest = 2;
-/// Of coarse cells, which have far more wrong.
+/// Of coarse cells that are corrected.
+constexpr double gain_of_corrected = 1;
+/// Of coarse cells alone, which have far more wrong.
 constexpr double gain_of_coarse = 5, share_of_coarse = 0.01;
 
 /// Whether coarse cells may have an error where those of the experiment have none.
@@ -53,6 +56,8 @@ private:
     ExperimentProblem resized_problem(const std::vector<Resizing>& resizings,
                                       const ProgressSink& progress) const;
     void find_start();
+    FitOptions rough_options() const;
+    bool fit_corrected(const DataProblem& problem);
     void fit_roughly(const DataProblem& problem);
     void halve();
     bool rest_is_settled() const;
@@ -65,10 +70,14 @@ private:
     SuckedBody sucked_;
     FitOptions options_;
     std::vector<Index> rest_errors_;  ///< places of `rest_error` among the numbers
+    std::unique_ptr<const ExperimentProblem> coarse_problem_;  ///< `found_.experiment`'s
+    std::shared_ptr<const Prediction> coarse_;                 ///< the last one there; may be null
     SearchedTissue found_;
 };
 
 void Search::make_experiment() {
+    if (coarse_problem_) found_.num_simulation += coarse_problem_->num_simulation();
+    coarse_problem_ = nullptr;
     found_.experiment_toml =
         experiment_text(search_.settings, sucked_, search_.suction, search_.law, search_.num_terms);
     found_.experiment = std::make_shared<const Experiment>(
@@ -77,6 +86,8 @@ void Search::make_experiment() {
     const std::vector<std::string>& paths = found_.experiment->paths();
     for (std::size_t k = 0; k < paths.size(); ++k)
         if (is_rest_error(paths[k])) rest_errors_.push_back(Index(k));
+    coarse_problem_.reset(
+        new ExperimentProblem(resized_problem({double_cells, double_steps}, search_.progress)));
 }
 
 /// The experiment on cells, or time steps, of twice or half the size.
@@ -107,8 +118,6 @@ void take_start(const std::vector<Parameter>& parameters, const Fit& found, FitO
 /// nothing it begins at the guess.
 void Search::find_start() {
     report(", on coarse cells");
-    const ExperimentProblem coarse =
-        resized_problem({double_cells, double_steps}, search_.progress);
     FitOptions rough = options_;
     const std::vector<Parameter>& parameters = found_.experiment->parameters();
     for (std::size_t k = 0; k < parameters.size(); ++k)
@@ -118,22 +127,57 @@ void Search::find_start() {
     rough.discrepancy.is_learned = false;  // it would learn what coarse cells have wrong
     rough.tries_other_starts = false;
     try {
-        const Fit found = fit(coarse, rough, search_.progress);
-        if (found.is_usable()) options_.start = found.values;
+        const Fit found = fit(*coarse_problem_, rough, search_.progress);
+        if (found.is_usable()) {
+            options_.start = found.values;
+            coarse_ = found.prediction;
+        }
     } catch (const Error& error) {
         if (!is_of_model(error)) throw;
         report_progress(search_.progress, "fit", 0, std::string("not so: ") + error.what());
     }
-    found_.num_simulation += coarse.num_simulation();
 }
 
-void Search::fit_roughly(const DataProblem& problem) {
-    report(", and the surface at rest");
+FitOptions Search::rough_options() const {
     FitOptions rough = options_;
     rough.gauss_newton.gain_tolerance = gain_for_rest;
     rough.gauss_newton.max_steps = most_steps_for_rest;
     rough.discrepancy.max_rounds = noise_rounds_for_rest;
-    found_.fit = fit(problem, rough, search_.progress);
+    return rough;
+}
+
+/// Near the start coarse cells do, once they say there what those of the experiment say. False,
+/// and nothing found, where one of them says nothing.
+bool Search::fit_corrected(const DataProblem& problem) {
+    const ExperimentProblem& coarse = *coarse_problem_;
+    try {
+        const Prediction* warm = options_.warm ? options_.warm.get() : coarse_.get();
+        const PredictionAttempt exact =
+            checked_prediction(problem, options_.start, PredictedColumns::none, warm);
+        const PredictionAttempt cheap =
+            checked_prediction(coarse, options_.start, PredictedColumns::wanted, coarse_.get());
+        if (!exact.prediction || !cheap.prediction) return false;
+        const CorrectedProblem corrected(coarse, *exact.prediction, cheap.prediction);
+        FitOptions rough = rough_options();
+        rough.warm = nullptr;
+        rough.tries_other_starts = false;
+        rough.gauss_newton.gain_tolerance = gain_of_corrected;
+        found_.fit = fit(corrected, rough, search_.progress);
+        take_start(problem.parameters(), found_.fit, options_);
+        options_.warm = exact.prediction;
+        coarse_ = CorrectedProblem::cheap_of(*found_.fit.prediction);
+    } catch (const Error& error) {
+        if (!is_of_model(error)) throw;
+        report_progress(search_.progress, "fit", 0, std::string("not so: ") + error.what());
+        return false;
+    }
+    return true;
+}
+
+void Search::fit_roughly(const DataProblem& problem) {
+    report(", and the surface at rest");
+    if (fit_corrected(problem)) return;
+    found_.fit = fit(problem, rough_options(), search_.progress);
     take_start(problem.parameters(), found_.fit, options_);
 }
 
@@ -171,9 +215,12 @@ void Search::halve() {
     run_tasks(models.size(), search_.jobs, progress, [&](std::size_t k) {
         const ExperimentProblem resized = resized_problem(models[k], progress.sink());
         try {
-            made[k] =
-                checked_prediction(resized, found_.fit.values, PredictedColumns::none, nullptr)
-                    .prediction;
+            // From a guess a load is given up early; without one it never is.
+            for (const Prediction* warm : {found_.fit.prediction.get(), (const Prediction*)nullptr})
+                if (!made[k])
+                    made[k] =
+                        checked_prediction(resized, found_.fit.values, PredictedColumns::none, warm)
+                            .prediction;
         } catch (const Error& error) {
             // What other cells cannot do is no reason to lose the fit.
             if (!is_of_model(error)) throw;
@@ -195,7 +242,10 @@ SearchedTissue Search::run(
         const ExperimentProblem problem(*found_.experiment, search_.configure, search_.jobs,
                                         search_.progress);
         const bool is_rough = !rest_errors_.empty() && has_moved && round <= most_rest_rounds;
-        if (is_rough) fit_roughly(problem);
+        if (is_rough)
+            fit_roughly(problem);
+        else if (round == 1)
+            fit_corrected(problem);
         const bool is_last = !is_rough || rest_is_settled();
         if (is_last) {
             report("");
@@ -216,6 +266,7 @@ SearchedTissue Search::run(
         has_moved = move_surface() >= settled_rest_mm;
         make_experiment();
     }
+    found_.num_simulation += coarse_problem_->num_simulation();
     if (found_.is_believed) halve();
     return std::move(found_);
 }
