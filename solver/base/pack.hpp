@@ -10,7 +10,8 @@ namespace palpate {
 /// vector units of a host (multiversion.hpp); such a template must be inlined there as a whole.
 /// Said to the compiler outright, because it seldom finds it in loops. A comparison holds if it
 /// holds for all four: `!(a > b)` means that it fails for one of them at least, as it does with
-/// NaN.
+/// NaN. So all four take one branch: a series for small numbers only if all are small, else the
+/// formula for large ones, in which a small one keeps its absolute and not its relative digits.
 class alignas(32) Pack {
 public:
     static constexpr int size = 4;

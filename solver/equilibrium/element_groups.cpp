@@ -31,23 +31,23 @@ ElementGroups::ElementGroups(const SolidModel& model, const std::vector<PointGeo
     const std::vector<Index>& starts = parts.elements.offsets;
     offsets_.assign(starts.size(), 0);
     if (model.mesh.formulation == Formulation::plane_stress) return;
-    for (const SolidMaterial& material : model.materials) {
-        const auto law = group_law_of(material);
-        if (!law) return;
-        laws_.push_back(*law);
-    }
+    for (const SolidMaterial& material : model.materials) laws_.push_back(group_law_of(material));
     layout_ = {model.mesh.table().num_nodes, model.mesh.table().num_points,
                model.mesh.formulation == Formulation::axisymmetric,
                model.volume == VolumeTreatment::element_mean};
+    std::vector<Index> elements = parts.elements.items;
+    const auto region_of = [&](Index element) { return model.mesh.region[element]; };
     for (std::size_t part = 0; part + 1 < starts.size(); ++part) {
-        for (Index k = starts[part]; k < starts[part + 1]; ++k) {
-            const Index element = parts.elements.items[k], region = model.mesh.region[element];
+        const auto begin = elements.begin() + starts[part],
+                   end = elements.begin() + starts[part + 1];
+        std::stable_sort(begin, end, [&](Index a, Index b) { return region_of(a) < region_of(b); });
+        for (auto element = begin; element != end; ++element) {
             const bool is_new = Index(groups_.size()) == offsets_[part] ||
                                 groups_.back().count == Pack::size ||
-                                groups_.back().region != region;
-            if (is_new) groups_.push_back({{}, 0, region});
+                                groups_.back().region != region_of(*element);
+            if (is_new) groups_.push_back({{}, 0, region_of(*element)});
             Group& group = groups_.back();
-            std::fill(group.elements.begin() + group.count, group.elements.end(), element);
+            std::fill(group.elements.begin() + group.count, group.elements.end(), *element);
             ++group.count;
         }
         offsets_[part + 1] = Index(groups_.size());
@@ -110,7 +110,7 @@ ElementGroups::Call ElementGroups::call(Index at, const GroupStep& step, const d
     const Index region = groups_[at].region;
     const SolidMaterial& material = model_->materials[region];
     GroupLaw<Pack> law;
-    law.laws = &laws_[region];
+    law.laws = &*laws_[region];
     law.relaxes_as_a_whole = material.relaxation_of == RelaxationOf::total;
     made.is_viscous = !step.factor.empty() && !material.relaxation.empty();
     if (!made.is_viscous) {
@@ -148,6 +148,7 @@ std::vector<GroupChange> ElementGroups::changes_of(Index at,
 
 bool ElementGroups::force(Index group, const GroupStep& step, const double* u, Pack& energy,
                           Pack* force) const {
+    if (!is_done_here(group)) return false;
     const Call made = call(group, step, u);
     return made.is_viscous ? group_force(made.viscous, made.element, made.u, energy, force)
                            : group_force(made.elastic, made.element, made.u, energy, force);
@@ -155,6 +156,7 @@ bool ElementGroups::force(Index group, const GroupStep& step, const double* u, P
 
 bool ElementGroups::tangent(Index group, const GroupStep& step, const double* u,
                             Pack* blocks) const {
+    if (!is_done_here(group)) return false;
     const Call made = call(group, step, u);
     return made.is_viscous ? group_tangent(made.viscous, made.element, made.u, blocks)
                            : group_tangent(made.elastic, made.element, made.u, blocks);
@@ -163,6 +165,7 @@ bool ElementGroups::tangent(Index group, const GroupStep& step, const double* u,
 bool ElementGroups::force_changes(Index group, const GroupStep& step, const double* u,
                                   const std::vector<SolidChange>& changes,
                                   std::vector<Pack>& force) const {
+    if (!is_done_here(group)) return false;
     const Call made = call(group, step, u);
     std::vector<Tensor3<Pack>> prestress;
     const auto here = changes_of(group, changes, prestress);
@@ -174,6 +177,7 @@ bool ElementGroups::force_changes(Index group, const GroupStep& step, const doub
 
 bool ElementGroups::relaxing_stress(Index group, const GroupStep& step, const double* u,
                                     Tensor3<Pack>* stress) const {
+    if (!is_done_here(group)) return false;
     const Call made = call(group, step, u);
     return made.is_viscous && group_relaxing_stress(made.viscous, made.element, made.u, stress);
 }
@@ -182,6 +186,7 @@ bool ElementGroups::relaxing_stress_changes(Index group, const GroupStep& step, 
                                             const Eigen::MatrixXd& du,
                                             const std::vector<SolidChange>& changes,
                                             std::vector<Tensor3<Pack>>& stress) const {
+    if (!is_done_here(group)) return false;
     const Call made = call(group, step, u);
     if (!made.is_viscous) return false;
     std::vector<Tensor3<Pack>> prestress;

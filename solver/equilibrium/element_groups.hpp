@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,9 +26,9 @@ struct GroupStep {
 };
 
 /// Elements of a part and a material, four side by side: the element loops of a host, with its
-/// vector units. There are none for Hooke's law and for plane stress. A function returns false
-/// where a point of any of the elements is not valid, or what is asked is not done here; then they
-/// have to be looked at one by one.
+/// vector units. There are no groups in plane stress. A function returns false where a point of any
+/// of the elements is not valid, and where it is not done here: for Hooke's law, and for an element
+/// that is alone. Then they have to be looked at one by one.
 class ElementGroups {
 public:
     ElementGroups(const SolidModel& model, const std::vector<PointGeometry>& geometry,
@@ -63,6 +64,9 @@ private:
         int count;
         Index region;
     };
+    bool is_done_here(Index group) const {
+        return groups_[group].count > 1 && laws_[groups_[group].region];
+    }
     struct Call;
     Call call(Index group, const GroupStep& step, const double* u) const;
     void gather(Index group, const double* u, Pack* gathered) const;
@@ -73,7 +77,7 @@ private:
 
     const SolidModel* model_;
     SolidLayout layout_;
-    std::vector<GroupLaw<Pack>::Laws> laws_;  ///< by region
+    std::vector<std::optional<GroupLaw<Pack>::Laws>> laws_;  ///< by region; empty: Hooke's
     std::vector<Group> groups_;
     std::vector<Index> offsets_;  ///< [parts + 1]
     std::vector<Pack> geometry_;  ///< [groups, num_points, reals_per_point]
