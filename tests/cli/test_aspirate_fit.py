@@ -106,6 +106,15 @@ def test_a_model_of_another_film_is_not_to_be_trusted(sucked, tmp_path):
     assert "notice bad" in page and "No values to trust" in page
 
 
+def test_cells_that_cannot_be_doubled_begin_at_the_guess(sucked, tmp_path):
+    """A third of two cells is no line of thirds of each: there are no coarse cells to begin with."""
+    settings = sucked / "thirds.toml"
+    settings.write_text(SETTINGS.replace("steps = 12", "steps = 12\nrefine = 3"))
+    finished = fit(sucked, tmp_path / "out", "--time-limit", "2", settings=settings)
+    assert finished.returncode == 9, finished.stderr
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_plan_needs_no_film_and_tells_what_to_expect(tmp_path):
     supposed = SETTINGS + "relaxation_terms = [0, 1]\n" + '[frames]\ntimes = "nowhere.csv"\n' + "[supposed]\nmu_kpa = 0.7\ngamma = 10\namplitude = 0.4\ntime_s = 3\n"
     (tmp_path / "plan.toml").write_text(supposed)

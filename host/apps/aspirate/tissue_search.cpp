@@ -147,9 +147,10 @@ FitOptions Search::rough_options() const {
 }
 
 /// Near the start coarse cells do, once they say there what those of the experiment say. False,
-/// and nothing found, where one of them says nothing.
+/// and nothing changed, where one of them says nothing or the search finds no end.
 bool Search::fit_corrected(const DataProblem& problem) {
     const ExperimentProblem& coarse = *coarse_problem_;
+    if (options_.start.size() == 0) options_.start = starts_of(problem.parameters());
     try {
         const Prediction* warm = options_.warm ? options_.warm.get() : coarse_.get();
         const PredictionAttempt exact =
@@ -163,6 +164,7 @@ bool Search::fit_corrected(const DataProblem& problem) {
         rough.tries_other_starts = false;
         rough.gauss_newton.gain_tolerance = gain_of_corrected;
         found_.fit = fit(corrected, rough, search_.progress);
+        if (found_.fit.ending == Ending::too_many_steps) return false;
         take_start(problem.parameters(), found_.fit, options_);
         options_.warm = exact.prediction;
         coarse_ = CorrectedProblem::cheap_of(*found_.fit.prediction);
