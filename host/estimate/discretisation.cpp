@@ -57,6 +57,8 @@ void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, cons
     for (const IdentifiedParameter& one : all.parameters) parameters.push_back(one.parameter);
     for (std::size_t k = 0; k < all.parameters.size(); ++k) {
         IdentifiedParameter& found = all.parameters[k];
+        // What is not known moves as far as it likes, and might leave its own interval.
+        if (found.judgement.verdict == Verdict::not_identifiable) continue;
         const auto at = static_cast<Eigen::Index>(k);
         double shift = 0, squares = 0;
         for (const Eigen::VectorXd& one : shifts) {
@@ -71,8 +73,6 @@ void correct_for_discretisation(const std::vector<Eigen::VectorXd>& shifts, cons
         const double centre = fit.transformed[at], sd = share * size;
         found.discretisation_shift = shift;
         found.discretisation_sd = sd;
-        // What is not known moves as far as it likes, and might leave its own interval.
-        if (found.judgement.verdict == Verdict::not_identifiable) continue;
         found.value = std::clamp(to_value(found.parameter, centre + shift), found.parameter.lowest,
                                  found.parameter.highest);
         const bool has_model_error = model_sd.size() > 0 && !found.parameter.is_nuisance &&

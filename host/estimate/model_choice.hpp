@@ -18,8 +18,8 @@ struct ModelCandidate {
 };
 
 /// The place of the one to be taken: of all less than a bare mention below the highest evidence the
-/// one with the fewest numbers, and of these the one with the highest evidence. Throws
-/// Error(invalid_argument) where there is none, or evidence is not finite.
+/// one with the fewest numbers, and of these the one with the highest evidence. Evidence that is
+/// not a finite number is the lowest. Throws Error(invalid_argument) where there is no model.
 std::size_t preferred_model(std::span<const ModelCandidate> candidates);
 
 }  // namespace palpate

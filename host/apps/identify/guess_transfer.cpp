@@ -3,6 +3,7 @@
 #include "host/apps/identify/guess_transfer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 namespace palpate {
@@ -15,6 +16,10 @@ std::optional<int> cells_for_two(const MeshSettings& other, const MeshSettings& 
         return std::nullopt;
     if (!own.graded)
         return other.grid.divisions == own.grid.divisions ? std::optional(2) : std::nullopt;
+    const auto cells = [](const GradedSettings& one) {
+        return std::array{one.columns_inside, one.columns_edge, one.columns_outside, one.rows};
+    };
+    if (cells(*other.graded) != cells(*own.graded)) return std::nullopt;
     const int finer = other.graded->refine * own.graded->coarsen,
               coarser = own.graded->refine * other.graded->coarsen;
     if (finer == 2 * coarser) return 4;

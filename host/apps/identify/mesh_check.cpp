@@ -65,6 +65,7 @@ void correct(const std::vector<Eigen::VectorXd>& shifts, IdentifiedExperiment& f
     std::string far;
     for (std::size_t k = 0; k < found.identified.parameters.size(); ++k) {
         const IdentifiedParameter& one = found.identified.parameters[k];
+        if (one.judgement.verdict == Verdict::not_identifiable) continue;  // and was not moved
         const auto at = Eigen::Index(k);
         const double sd = std::hypot(one.sd, model_sd.size() > 0 ? model_sd[at] : 0.0);
         double squares = 0;  // shifts of opposite signs may hide each other in their sum

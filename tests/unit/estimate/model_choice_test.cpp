@@ -33,9 +33,11 @@ TEST(ModelChoice, OfAsManyNumbersTheEvidenceDecides) {
     EXPECT_EQ(preferred({{100.6, 4}, {100.2, 4}, {100.9, 6}}), 0u);
 }
 
-TEST(ModelChoice, RefusesWhatIsNoChoice) {
+TEST(ModelChoice, EvidenceThatIsNoNumberIsTheLowest) {
+    EXPECT_EQ(preferred({{std::nan(""), 1}, {-1000, 9}}), 1u);
+    EXPECT_EQ(preferred({{HUGE_VAL, 1}, {-1000, 9}}), 1u);
+    EXPECT_EQ(preferred({{std::nan(""), 3}, {std::nan(""), 2}}), 0u);
     EXPECT_THROW(preferred({}), Error);
-    EXPECT_THROW(preferred({{1, 2}, {std::nan(""), 2}}), Error);
 }
 
 }  // namespace

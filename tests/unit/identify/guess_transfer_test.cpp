@@ -88,6 +88,9 @@ TEST(GuessTransfer, OtherMeshesAndLoadsGetNone) {
     ASSERT_TRUE(halve_cells(other));
     EXPECT_TRUE(transferred_guesses(other, from, displacements_of(from)).empty());
     other = own;
+    other.mesh.graded->rows = 10;
+    EXPECT_TRUE(transferred_guesses(other, from, displacements_of(from)).empty());
+    other = own;
     other.mesh.graded.reset();
     EXPECT_TRUE(transferred_guesses(other, from, displacements_of(from)).empty());
     other = own;
