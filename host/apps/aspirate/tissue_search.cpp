@@ -147,17 +147,18 @@ FitOptions Search::rough_options() const {
 }
 
 /// Near the start coarse cells do, once they say there what those of the experiment say. False,
-/// and nothing changed, where one of them says nothing or the search finds no end.
+/// the start being as it was, where one of them says nothing or the search finds no end.
 bool Search::fit_corrected(const DataProblem& problem) {
     const ExperimentProblem& coarse = *coarse_problem_;
     if (options_.start.size() == 0) options_.start = starts_of(problem.parameters());
     try {
-        const Prediction* warm = options_.warm ? options_.warm.get() : coarse_.get();
-        const PredictionAttempt exact =
-            checked_prediction(problem, options_.start, PredictedColumns::none, warm);
         const PredictionAttempt cheap =
             checked_prediction(coarse, options_.start, PredictedColumns::wanted, coarse_.get());
-        if (!exact.prediction || !cheap.prediction) return false;
+        if (!cheap.prediction) return false;
+        const Prediction* warm = options_.warm ? options_.warm.get() : cheap.prediction.get();
+        const PredictionAttempt exact =
+            checked_prediction(problem, options_.start, PredictedColumns::none, warm);
+        if (!exact.prediction) return false;
         const CorrectedProblem corrected(coarse, *exact.prediction, cheap.prediction);
         FitOptions rough = rough_options();
         rough.warm = nullptr;
