@@ -164,104 +164,104 @@ TEST(ElementGroups, AreOfOneMaterialEach) {
     EXPECT_LE(count, (model.mesh.num_elements() + 3) / 4 + 3 * grouped.parts.elements.num_lists());
 }
 
-TEST(ElementGroups, AnswerInAViscousStepAsTheirElementsDo) {
+/// Calls work(grouped) for all models of large strains that relax, in both ways.
+template <class Work>
+void for_each_relaxing(const Work& work) {
     for (const SolidModel& model : solid_models())
         for (const RelaxationOf which : {RelaxationOf::total, RelaxationOf::isochoric}) {
             SCOPED_TRACE(name_of(model));
             Grouped grouped(model);
             if (grouped.groups.is_empty() || model.materials.front().law == "linear") continue;
             grouped.relax(which);
-            expect_groups_as_elements(grouped);
+            work(grouped);
         }
 }
 
-TEST(ElementGroups, ChangesOfForcesAndOfWhatRelaxesAreThoseOfTheElements) {
-    for (const SolidModel& model : solid_models())
-        for (const RelaxationOf which : {RelaxationOf::total, RelaxationOf::isochoric}) {
-            SCOPED_TRACE(name_of(model));
-            Grouped grouped(model);
-            if (grouped.groups.is_empty() || model.materials.front().law == "linear") continue;
-            grouped.relax(which);
-            const std::size_t points = grouped.num_points();
-            const std::size_t nodes = std::size_t(model.mesh.table().num_nodes);
-            // by each parameter of the laws, by the factor and by what earlier steps left
-            std::vector<SolidChange> changes;
-            const std::size_t parameters = model.materials.front().parameters.size();
-            for (std::size_t k = 0; k < parameters; ++k) {
-                SolidChange& change = changes.emplace_back();
-                for (const SolidMaterial& material : model.materials) {
-                    change.parameters.emplace_back(material.parameters.size(), 0.0);
-                    change.parameters.back()[k] = 1;
-                }
-            }
-            changes.emplace_back().factor.assign(model.materials.size(), 1.0);
-            changes.emplace_back().prestress = grouped.prestress;
-            Eigen::MatrixXd du(model.num_dofs(), Eigen::Index(changes.size()));
-            for (Eigen::Index c = 0; c < du.cols(); ++c)
-                du.col(c) = double(c + 1) * grouped.u.reverse();
-            if (model.mesh.formulation != Formulation::solid)
-                for (Index n = 0; n < model.mesh.num_nodes(); ++n) du.row(3 * n + 2).setZero();
+TEST(ElementGroups, AnswerInAViscousStepAsTheirElementsDo) {
+    for_each_relaxing(expect_groups_as_elements);
+}
 
-            for (Index g = 0; g < grouped.groups.first_of(grouped.parts.elements.num_lists());
-                 ++g) {
-                if (grouped.is_alone(g)) continue;
-                std::vector<Pack> force;
-                Tensor3<Pack> stress[most_element_points];
-                std::vector<Tensor3<Pack>> stress_changes;
-                ASSERT_TRUE(grouped.groups.force_changes(g, grouped.step(), grouped.u.data(),
-                                                         changes, force));
-                ASSERT_TRUE(
-                    grouped.groups.relaxing_stress(g, grouped.step(), grouped.u.data(), stress));
-                ASSERT_TRUE(grouped.groups.relaxing_stress_changes(
-                    g, grouped.step(), grouped.u.data(), du, changes, stress_changes));
-                int lane = 0;
-                for (const Index e : grouped.groups.elements_of(g)) {
-                    std::vector<ElementChange> here;
-                    for (const SolidChange& change : changes) {
-                        ElementChange& one = here.emplace_back();
-                        const Index region = model.mesh.region[e];
-                        if (!change.parameters.empty()) one.parameters = change.parameters[region];
-                        if (!change.factor.empty()) one.factor = change.factor[region];
-                        if (!change.prestress.empty())
-                            one.prestress = grouped.of_element(change.prestress, e);
-                    }
-                    grouped.with_laws(e, [&](const auto& law_at) {
-                        using Law = std::decay_t<decltype(law_at(std::size_t{0}))>;
-                        std::array<Vec3, most_element_nodes> none;
-                        none.fill(Vec3::Zero());
-                        std::vector<std::array<Vec3, most_element_nodes>> alone(here.size(), none);
-                        add_force_changes(grouped.model, law_at, grouped.points_of(e), grouped.u,
-                                          here, alone);
-                        for (std::size_t c = 0; c < here.size(); ++c)
-                            EXPECT_LT(relative_error(&force[3 * nodes * c], alone[c][0].data(),
-                                                     3 * nodes, lane),
-                                      100 * rounding)
-                                << "change " << c;
-                        if constexpr (is_viscous_step<Law>) {
-                            PointTensors h;
-                            law_gradients(grouped.model, law_at, grouped.points_of(e), grouped.u,
-                                          h);
-                            for (std::size_t q = 0; q < points; ++q) {
-                                const Law law = law_at(q);
-                                const auto relaxing = law.relaxing_at(law.state(h[q])).stress;
-                                const auto alone_stress = inverse_times<false>(h[q], relaxing);
-                                EXPECT_LT(relative_error(stress[q].m, alone_stress.m, 9, lane),
-                                          rounding);
-                            }
-                            relaxing_stress_changes(
-                                grouped.model, law_at, grouped.points_of(e), grouped.u, du, here,
-                                [&](std::size_t c, std::size_t q, const Tensor3<double>& change) {
-                                    EXPECT_LT(relative_error(stress_changes[c * points + q].m,
-                                                             change.m, 9, lane),
-                                              100 * rounding)
-                                        << "change " << c;
-                                });
-                        }
-                    });
-                    ++lane;
-                }
+TEST(ElementGroups, ChangesOfForcesAndOfWhatRelaxesAreThoseOfTheElements) {
+    for_each_relaxing([](const Grouped& grouped) {
+        const SolidModel& model = grouped.model;
+        const std::size_t points = grouped.num_points();
+        const std::size_t nodes = std::size_t(model.mesh.table().num_nodes);
+        // by each parameter of the laws, by the factor and by what earlier steps left
+        std::vector<SolidChange> changes;
+        const std::size_t parameters = model.materials.front().parameters.size();
+        for (std::size_t k = 0; k < parameters; ++k) {
+            SolidChange& change = changes.emplace_back();
+            for (const SolidMaterial& material : model.materials) {
+                change.parameters.emplace_back(material.parameters.size(), 0.0);
+                change.parameters.back()[k] = 1;
             }
         }
+        changes.emplace_back().factor.assign(model.materials.size(), 1.0);
+        changes.emplace_back().prestress = grouped.prestress;
+        Eigen::MatrixXd du(model.num_dofs(), Eigen::Index(changes.size()));
+        for (Eigen::Index c = 0; c < du.cols(); ++c)
+            du.col(c) = double(c + 1) * grouped.u.reverse();
+        if (model.mesh.formulation != Formulation::solid)
+            for (Index n = 0; n < model.mesh.num_nodes(); ++n) du.row(3 * n + 2).setZero();
+
+        for (Index g = 0; g < grouped.groups.first_of(grouped.parts.elements.num_lists()); ++g) {
+            if (grouped.is_alone(g)) continue;
+            std::vector<Pack> force;
+            Tensor3<Pack> stress[most_element_points];
+            std::vector<Tensor3<Pack>> stress_changes;
+            ASSERT_TRUE(
+                grouped.groups.force_changes(g, grouped.step(), grouped.u.data(), changes, force));
+            ASSERT_TRUE(
+                grouped.groups.relaxing_stress(g, grouped.step(), grouped.u.data(), stress));
+            ASSERT_TRUE(grouped.groups.relaxing_stress_changes(g, grouped.step(), grouped.u.data(),
+                                                               du, changes, stress_changes));
+            int lane = 0;
+            for (const Index e : grouped.groups.elements_of(g)) {
+                std::vector<ElementChange> here;
+                for (const SolidChange& change : changes) {
+                    ElementChange& one = here.emplace_back();
+                    const Index region = model.mesh.region[e];
+                    if (!change.parameters.empty()) one.parameters = change.parameters[region];
+                    if (!change.factor.empty()) one.factor = change.factor[region];
+                    if (!change.prestress.empty())
+                        one.prestress = grouped.of_element(change.prestress, e);
+                }
+                grouped.with_laws(e, [&](const auto& law_at) {
+                    using Law = std::decay_t<decltype(law_at(std::size_t{0}))>;
+                    std::array<Vec3, most_element_nodes> none;
+                    none.fill(Vec3::Zero());
+                    std::vector<std::array<Vec3, most_element_nodes>> alone(here.size(), none);
+                    add_force_changes(grouped.model, law_at, grouped.points_of(e), grouped.u, here,
+                                      alone);
+                    for (std::size_t c = 0; c < here.size(); ++c)
+                        EXPECT_LT(relative_error(&force[3 * nodes * c], alone[c][0].data(),
+                                                 3 * nodes, lane),
+                                  100 * rounding)
+                            << "change " << c;
+                    if constexpr (is_viscous_step<Law>) {
+                        PointTensors h;
+                        law_gradients(grouped.model, law_at, grouped.points_of(e), grouped.u, h);
+                        for (std::size_t q = 0; q < points; ++q) {
+                            const Law law = law_at(q);
+                            const auto relaxing = law.relaxing_at(law.state(h[q])).stress;
+                            const auto alone_stress = inverse_times<false>(h[q], relaxing);
+                            EXPECT_LT(relative_error(stress[q].m, alone_stress.m, 9, lane),
+                                      rounding);
+                        }
+                        relaxing_stress_changes(
+                            grouped.model, law_at, grouped.points_of(e), grouped.u, du, here,
+                            [&](std::size_t c, std::size_t q, const Tensor3<double>& change) {
+                                EXPECT_LT(relative_error(stress_changes[c * points + q].m, change.m,
+                                                         9, lane),
+                                          100 * rounding)
+                                    << "change " << c;
+                            });
+                    }
+                });
+                ++lane;
+            }
+        }
+    });
 }
 
 TEST(ElementGroups, SayWhereMatterIsInverted) {
@@ -270,14 +270,19 @@ TEST(ElementGroups, SayWhereMatterIsInverted) {
         SolidModel model = solid_model(solid_meshes()[0], solid_materials()[1]);
         model.volume = volume;
         Grouped grouped(model);
+        const auto num_invalid = [&] {
+            Index count = 0;
+            for (Index g = 0; g < grouped.groups.first_of(grouped.parts.elements.num_lists());
+                 ++g) {
+                Pack energy, force[3 * most_element_nodes];
+                count += !grouped.is_alone(g) &&
+                         !grouped.groups.force(g, grouped.step(), grouped.u.data(), energy, force);
+            }
+            return count;
+        };
+        EXPECT_EQ(num_invalid(), 0);
         grouped.u[2] = 5;  // a corner through the box
-        bool is_valid = true;
-        for (Index g = 0; g < grouped.groups.first_of(grouped.parts.elements.num_lists()); ++g) {
-            Pack energy, force[3 * most_element_nodes];
-            is_valid = is_valid &&
-                       grouped.groups.force(g, grouped.step(), grouped.u.data(), energy, force);
-        }
-        EXPECT_FALSE(is_valid);
+        EXPECT_GT(num_invalid(), 0);
     }
 }
 
