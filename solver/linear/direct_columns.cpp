@@ -12,6 +12,7 @@
 #include "solver/base/parallel.hpp"
 #include "solver/base/serial_blas.hpp"
 #include "solver/linear/factor_libraries.hpp"
+#include "solver/linear/free_lower.hpp"
 
 namespace palpate {
 namespace {
@@ -47,7 +48,8 @@ DirectColumns::DirectColumns(const ConstrainedMatrix& system, const LinearSolver
 
 void DirectColumns::factorise() {
     if (free_.count == 0) return;
-    const SparseFactor::Lower lower = free_lower(system_.stiffness(), free_);
+    FreeLower lower_triangle(system_.stiffness().graph, free_);
+    const SparseFactor::Lower& lower = lower_triangle.fill(system_.stiffness());
     if (!analysed_) factor_->analyse(lower);
     analysed_ = true;
     factor_->factorise(lower);

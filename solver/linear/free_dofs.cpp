@@ -14,23 +14,4 @@ FreeDofs number_free_dofs(const Adjacency& graph, std::span<const std::uint8_t> 
     return free;
 }
 
-// The matrix is symmetric, so the columns of its lower triangle are read off as rows.
-SparseFactor::Lower free_lower(const BlockMatrix& matrix, const FreeDofs& free) {
-    SparseFactor::Lower lower(free.count, free.count);
-    lower.reserve(static_cast<Eigen::Index>(matrix.blocks.size()) / 2 + free.count);
-    const Adjacency& graph = matrix.graph;
-    for (Index d = 0; d < static_cast<Index>(free.number.size()); ++d) {
-        const Index column = free.number[d];
-        if (column < 0) continue;
-        lower.startVec(column);
-        for (Index k = graph.offsets[d / 3]; k < graph.offsets[d / 3 + 1]; ++k)
-            for (Index i = 0; i < 3; ++i) {
-                const Index row = free.number[3 * graph.items[k] + i];
-                if (row >= column) lower.insertBack(row, column) = matrix.block(k)[3 * (d % 3) + i];
-            }
-    }
-    lower.finalize();
-    return lower;
-}
-
 }  // namespace palpate

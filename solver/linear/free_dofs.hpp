@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "solver/linear/sparse_factor.hpp"
 #include "solver/model/block_matrix.hpp"
 
 namespace palpate {
@@ -21,8 +20,5 @@ struct FreeDofs {
 ///   graph       of the stiffness' 3x3 blocks
 ///   prescribed  [3 num_nodes]
 FreeDofs number_free_dofs(const Adjacency& graph, std::span<const std::uint8_t> prescribed);
-
-/// The lower triangle of a symmetric matrix of 3x3 blocks on the free dofs.
-SparseFactor::Lower free_lower(const BlockMatrix& matrix, const FreeDofs& free);
 
 }  // namespace palpate

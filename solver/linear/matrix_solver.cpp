@@ -9,7 +9,7 @@
 
 #include "solver/base/error.hpp"
 #include "solver/linear/factor_libraries.hpp"
-#include "solver/linear/free_dofs.hpp"
+#include "solver/linear/free_lower.hpp"
 
 namespace palpate {
 namespace {
@@ -37,16 +37,13 @@ class FactorSolver final : public MatrixSolver {
 public:
     FactorSolver(const MatrixSolverMesh& mesh, const MatrixSolverOptions& options)
         : free_(number_free_dofs(mesh.graph, mesh.prescribed)),
+          lower_(mesh.graph, free_),
           factor_(make_sparse_factor(library_for(free_.count, options.direct_library))) {}
 
     bool set(const BlockMatrix& matrix, double shift) override {
         is_indefinite_ = false;
         if (free_.count == 0) return true;
-        SparseFactor::Lower lower = free_lower(matrix, free_);
-        if (shift > 0) {
-            const double size = lower.diagonal().cwiseAbs().mean();
-            for (Index k = 0; k < free_.count; ++k) lower.coeffRef(k, k) += shift * size;
-        }
+        const SparseFactor::Lower& lower = lower_.fill(matrix, shift);
         if (!is_analysed_) factor_->analyse(lower);
         is_analysed_ = true;
         try {
@@ -89,6 +86,7 @@ public:
 
 private:
     FreeDofs free_;
+    FreeLower lower_;
     std::unique_ptr<SparseFactor> factor_;
     bool is_analysed_ = false;
     bool is_indefinite_ = false;
