@@ -48,6 +48,9 @@ namespace detail {
 inline thread_local bool is_within_task = false;
 }
 
+/// Of `jobs` threads those that the caller may use: one within a task.
+inline int jobs_here(int jobs) { return detail::is_within_task ? 1 : jobs; }
+
 /// Calls `work(k)` once for each k in [0, count), on at most `jobs` threads, that of the caller
 /// among them: for few tasks that each take long. Within a task of another call they run one after
 /// the other, so that no more than `jobs` ever run. After a failure no further task begins and
@@ -57,7 +60,7 @@ template <typename Work>
 void run_tasks(std::size_t count, int jobs, SharedProgress& progress, Work&& work) {
     using namespace std::chrono_literals;
     const bool was_within_task = detail::is_within_task;
-    const int num_threads = was_within_task ? 1 : std::min(jobs, static_cast<int>(count));
+    const int num_threads = std::min(jobs_here(jobs), static_cast<int>(count));
     std::optional<SerialBlas> serial;
     if (num_threads > 1) serial.emplace();
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "solver/sensitivity/columns_beside.hpp"
 #include "solver/sensitivity/history_columns.hpp"
 
 namespace palpate {
@@ -99,6 +100,9 @@ SimulationState rest_state(const PreparedSimulation& prepared, const std::vector
     return state;
 }
 
+/// Larger bodies share their loops among threads.
+constexpr Index most_dofs_beside = 20000;
+
 /// Of the body at rest.
 StateColumns columns_at_rest(const PreparedSimulation& prepared, Eigen::Index count) {
     StateColumns columns{Eigen::MatrixXd::Zero(prepared.model.num_dofs(), count), {}};
@@ -131,17 +135,34 @@ StateColumns state_columns(const PreparedSimulation& prepared, ColumnsAtTime fou
     return columns;
 }
 
+/// On the way, or on a thread beside it.
+struct WishedColumns {
+    std::optional<HistoryColumns> on_the_way;
+    std::optional<ColumnsBeside> beside;
+};
+
+/// Those of the body at rest, and who finds the others.
+WishedColumns begin_columns(SimulationResult& result, const std::vector<LoadTime>& times,
+                            const SimulationWish& wish) {
+    const PreparedSimulation& prepared = result.prepared;
+    WishedColumns columns;
+    if (!wish.directions) return columns;
+    std::vector<HistoryDirection> directions = wish.directions(prepared, times);
+    for (const HistoryDirection& direction : directions)
+        result.place_columns.push_back(place_column(direction.pair));
+    result.columns.push_back(columns_at_rest(prepared, Eigen::Index(directions.size())));
+    if (wish.jobs > 1 && prepared.model.num_dofs() <= most_dofs_beside)
+        columns.beside.emplace(prepared.model, times, std::move(directions),
+                               result.settings.newton);
+    else
+        columns.on_the_way.emplace(prepared.model, times, std::move(directions));
+    return columns;
+}
+
 void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& times,
                         const SimulationWish& wish, const ProgressSink& progress) {
     const PreparedSimulation& prepared = result.prepared;
-    std::optional<HistoryColumns> columns;
-    if (wish.directions) {
-        columns.emplace(prepared.model, times, wish.directions(prepared, times));
-        for (const HistoryDirection& direction : columns->directions())
-            result.place_columns.push_back(place_column(direction.pair));
-        result.columns.push_back(
-            columns_at_rest(prepared, Eigen::Index(columns->directions().size())));
-    }
+    WishedColumns columns = begin_columns(result, times, wish);
     const ProgressSink inner_progress = [&](const Progress& inner) {
         if (inner.stage.empty()) return check_cancelled(progress);
         const std::size_t step = result.steps.size();
@@ -164,10 +185,16 @@ void solve_quasi_static(SimulationResult& result, const std::vector<LoadTime>& t
                 state_of(prepared, solid, found, reached_s,
                          wish.fills_cells ? &result.element_volume_mm3 : nullptr));
             result.states.back().obstacle_motion_mm = motion_of(times, step, found.load);
-            if (columns && found.converged)
-                result.columns.push_back(state_columns(prepared, columns->advance(solid, found)));
+            if (!found.converged) return;
+            if (columns.beside) columns.beside->follow(found);
+            if (columns.on_the_way)
+                result.columns.push_back(
+                    state_columns(prepared, columns.on_the_way->advance(solid, found)));
         },
         wish.guesses);
+    if (columns.beside)
+        for (ColumnsAtTime& found : columns.beside->finish(progress))
+            result.columns.push_back(state_columns(prepared, std::move(found)));
 }
 
 void solve_motion(SimulationResult& result, const std::vector<LoadTime>& times,

@@ -42,6 +42,7 @@ struct SimulationWish {
     /// [times] displacements that are near (`solve_history`), may be empty.
     std::vector<Eigen::VectorXd> guesses = {};
     bool fills_cells = true;  ///< whether states have `cells` and energies
+    int jobs = 1;             ///< threads: with two the columns of small bodies come beside
 };
 
 /// How one step was solved.

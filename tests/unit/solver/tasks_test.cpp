@@ -29,6 +29,7 @@ TEST(Tasks, WithinATaskRunOneAfterTheOther) {
     SharedProgress outer({});
     std::atomic<int> running = 0, most = 0;
     run_tasks(2, 2, outer, [&](std::size_t) {
+        EXPECT_EQ(jobs_here(4), 1);
         SharedProgress inner({});
         run_tasks(4, 4, inner, [&](std::size_t) {
             const int now = ++running;
@@ -39,6 +40,7 @@ TEST(Tasks, WithinATaskRunOneAfterTheOther) {
     });
     EXPECT_LE(most, 2);
     // and after that side by side again
+    EXPECT_EQ(jobs_here(4), 4);
     std::atomic<int> met = 0;
     run_tasks(2, 2, outer, [&](std::size_t) {
         ++met;
