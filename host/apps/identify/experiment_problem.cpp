@@ -82,6 +82,30 @@ std::size_t next_number() {
 
 }  // namespace
 
+std::shared_ptr<const Prediction> moved_guess(const Prediction& exact, const Prediction& other,
+                                              const Prediction& moved,
+                                              const Eigen::VectorXd& values) {
+    const auto* from = dynamic_cast<const ExperimentPrediction*>(&exact);
+    const auto* before = dynamic_cast<const ExperimentPrediction*>(&other);
+    const auto* after = dynamic_cast<const ExperimentPrediction*>(&moved);
+    if (!from || !before || !after || !from->simulation || !from->simulation->converged())
+        return nullptr;
+    const SimulationSettings& settings = from->simulation->settings;
+    const auto less = guesses_from(*before, from->values, settings);
+    const auto more = guesses_from(*after, values, settings);
+    const std::size_t num_times = from->simulation->states.size() - 1;  // the first is at rest
+    if (less.size() != num_times || more.size() != num_times) return nullptr;
+    auto simulation = std::make_shared<SimulationResult>(*from->simulation);
+    for (std::size_t i = 0; i < num_times; ++i)
+        // u_exact + u_other(values) - u_other
+        simulation->states[i + 1].displacement += more[i] - less[i];
+    simulation->columns.clear();
+    auto guess = std::make_shared<ExperimentPrediction>();
+    guess->values = values;
+    guess->simulation = std::move(simulation);
+    return guess;
+}
+
 ExperimentProblem::ExperimentProblem(const Experiment& experiment,
                                      std::function<void(SimulationSettings&)> configure, int jobs,
                                      ProgressSink progress)
@@ -106,6 +130,7 @@ std::shared_ptr<const SimulationResult> ExperimentProblem::simulate(
     if (!wish.guesses.empty()) limit_trial(settings->newton);
     ++num_simulation_;
     wish.fills_cells = false;
+    wish.jobs = jobs_here(jobs_);
     const auto ask_only = [&](const Progress&) { check_cancelled(progress); };
     return std::make_shared<const SimulationResult>(run_simulation(*settings, ask_only, wish));
 }

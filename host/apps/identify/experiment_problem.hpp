@@ -73,4 +73,15 @@ private:
     mutable std::atomic<int> num_simulation_ = 0;
 };
 
+/// A prediction at `values` to begin another one with, and good for nothing else: what `exact` says
+/// at its own, moved by what another model of the experiment, on other cells or at other times,
+/// says that values change,
+///   u ~ u_exact + u_other(values) - u_other(values of `exact`).
+///   other   of that model at the values of `exact`
+///   moved   of that model at `values`, or near them with columns
+/// Null where one of them has no body or cells differ in another way (`transferred_guesses`).
+std::shared_ptr<const Prediction> moved_guess(const Prediction& exact, const Prediction& other,
+                                              const Prediction& moved,
+                                              const Eigen::VectorXd& values);
+
 }  // namespace palpate

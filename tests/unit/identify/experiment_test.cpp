@@ -9,6 +9,7 @@
 
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/planned_problem.hpp"
+#include "host/apps/identify/resolution.hpp"
 #include "host/estimate/fit.hpp"
 #include "host/estimate/identified.hpp"
 #include "tests/unit/identify/experiment_fixture.hpp"
@@ -154,6 +155,64 @@ TEST_F(ExperimentTest, ColumnsOfLoadsComeWithOneSimulation) {
         EXPECT_LT((centre->blocks[0].columns.col(k) - slope).norm(), 1e-5 * slope.norm())
             << found.paths()[k];
     }
+}
+
+/// A graded body under suction, whose cells can be doubled.
+const std::string sucked =
+    "[mesh]\nformulation = \"axisymmetric\"\nvolume = \"element-mean\"\ngraded = {width_mm = 20, "
+    "depth_mm = 16, edge_mm = 5, columns_inside = 8, columns_outside = 4, rows = 8}\n"
+    "[[material]]\nlaw = \"neo-hookean\"\nstiffness_kpa = {unknown = true, start = 10}\n"
+    "poisson_ratio = 0.4\n[[fix]]\nwhere = {side = \"y-min\"}\n[[pressure]]\nwhere = {point_array "
+    "= "
+    "\"surface\"}\nkpa = -1\ncolumn = \"share\"\n[history]\ntime_s = [1, 2, 3, 4]\nshare = [0.2, "
+    "0.5, 0.8, 1]\n[[data]]\nkind = \"points\"\nfile = \"points.csv\"\nsd_mm = 0.1\n";
+
+double distance_of_states(const Prediction& a, const Prediction& b) {
+    const auto& from = dynamic_cast<const ExperimentPrediction&>(a).simulation->states;
+    const auto& to = dynamic_cast<const ExperimentPrediction&>(b).simulation->states;
+    EXPECT_EQ(from.size(), to.size());
+    double sum = 0;
+    for (std::size_t s = 0; s < to.size(); ++s)
+        sum += (from[s].displacement - to[s].displacement).norm();
+    return sum;
+}
+
+TEST_F(ExperimentTest, GuessesMovedByAnotherModelAreNearerThanEitherAlone) {
+    write("points.csv", "x_mm,y_mm,ux_mm,uy_mm\n0,-1,0,0\n");
+    const Experiment found = experiment(sucked);
+    const ExperimentProblem exact(found, [](SimulationSettings&) {}, 1, {});
+    const ExperimentProblem other(
+        found, [](SimulationSettings& settings) { double_cells(settings); }, 1, {});
+    const auto predict = [](const ExperimentProblem& problem, double stiffness) {
+        return problem
+            .predict(Eigen::VectorXd::Constant(1, stiffness), PredictedColumns::none, nullptr)
+            .prediction;
+    };
+    const auto before = predict(exact, 10), answer = predict(exact, 8);
+    const auto guess =
+        moved_guess(*before, *predict(other, 10), *predict(other, 8), answer->values);
+    ASSERT_TRUE(guess);
+    EXPECT_LT(distance_of_states(*guess, *answer), 0.2 * distance_of_states(*before, *answer));
+    // It begins another one, and is never taken for it.
+    const int simulations = exact.num_simulation();
+    const auto anew = exact.predict(answer->values, PredictedColumns::none, guess.get()).prediction;
+    EXPECT_EQ(exact.num_simulation(), simulations + 1);
+    EXPECT_LT((anew->blocks[0].predicted - answer->blocks[0].predicted).norm(), 1e-8);
+    EXPECT_FALSE(moved_guess(Prediction{}, *before, *before, answer->values));
+}
+
+TEST_F(ExperimentTest, ColumnsAreTheSameWithAnyNumberOfThreads) {
+    write("points.csv", "x_mm,y_mm,ux_mm,uy_mm\n0,-1,0,0\n3,-2,0,0\n");
+    const Experiment found = experiment(sucked);
+    const auto columns = [&](int jobs) {
+        const ExperimentProblem problem(found, [](SimulationSettings&) {}, jobs, {});
+        return problem.predict(starts_of(found.parameters()), PredictedColumns::wanted, nullptr)
+            .prediction->blocks[0]
+            .columns;
+    };
+    const Eigen::MatrixXd alone = columns(1);
+    EXPECT_GT(alone.norm(), 0);
+    EXPECT_LT((columns(2) - alone).norm(), 1e-9 * alone.norm());
 }
 
 /// A block pressed by a plate whose penalty follows the block; points are measured in it.
