@@ -31,6 +31,12 @@ constexpr double gain_of_corrected = 1;
 /// Of coarse cells alone, which have far more wrong.
 constexpr double gain_of_coarse = 5, share_of_coarse = 0.01;
 
+using ModelSd = std::function<Eigen::VectorXd(const std::vector<Parameter>&)>;
+using IsNoModel = std::function<bool(const Fit&)>;
+
+/// Tissue that differs by this changes what halves of cells do by a sixth of that at most.
+constexpr double near_ln = 0.1;
+
 /// Whether coarse cells may have an error where those of the experiment have none.
 bool is_of_model(const Error& error) {
     return error.code() == ErrorCode::solve_failed || error.code() == ErrorCode::mesh_failed ||
@@ -39,27 +45,40 @@ bool is_of_model(const Error& error) {
 
 class Search {
 public:
-    explicit Search(const TissueSearch& search)
+    Search(const TissueSearch& search, const ModelSd& model_sd, const IsNoModel& is_no_model)
         : search_(search),
+          model_sd_(model_sd),
+          is_no_model_(is_no_model),
           sucked_{search.input.rest.surface, search.input.rest.seen_to_mm,
                   search.input.seen_later_to_mm, search.input.steps, search.input.start} {
         options_.gauss_newton.gain_tolerance = gain_at_end;
     }
 
-    SearchedTissue run(
-        const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,
-        const std::function<bool(const Fit&)>& is_no_model);
+    SearchedTissue run();
 
 private:
     void make_experiment();
     using Resizing = bool (*)(SimulationSettings&);
+    struct Halves {
+        std::vector<Resizing> usual, halved;
+    };
+    static const std::array<Halves, 2> all_halves;
     ExperimentProblem resized_problem(const std::vector<Resizing>& resizings,
                                       const ProgressSink& progress) const;
     void find_start();
     FitOptions rough_options() const;
     bool fit_corrected(const DataProblem& problem);
     void fit_roughly(const DataProblem& problem);
-    void halve();
+    void fit_finally(const ProgressSink& progress);
+    bool can_halve(const Eigen::VectorXd& values) const;
+    std::shared_ptr<const Prediction> resized_prediction(const std::vector<Resizing>& resizings,
+                                                         const Eigen::VectorXd& values,
+                                                         const Prediction* warm,
+                                                         const ProgressSink& progress);
+    void halve(std::size_t k, const Eigen::VectorXd& values, const Prediction* warm,
+               const ProgressSink& progress);
+    bool has_stayed_near(const Eigen::VectorXd& values) const;
+    void end_search();
     bool rest_is_settled() const;
     double move_surface();
     void report(const char* more) const {
@@ -67,11 +86,16 @@ private:
     }
 
     const TissueSearch& search_;
+    const ModelSd& model_sd_;
+    const IsNoModel& is_no_model_;
     SuckedBody sucked_;
     FitOptions options_;
     std::vector<Index> rest_errors_;  ///< places of `rest_error` among the numbers
     std::unique_ptr<const ExperimentProblem> coarse_problem_;  ///< `found_.experiment`'s
     std::shared_ptr<const Prediction> coarse_;                 ///< the last one there; may be null
+    bool is_near_ = false;                 ///< whether a search has led to `options_.start`
+    std::array<HalvedModel, 2> halved_;    ///< as `all_halves`
+    std::atomic<int> num_simulation_ = 0;  ///< of the end
     SearchedTissue found_;
 };
 
@@ -146,8 +170,10 @@ FitOptions Search::rough_options() const {
     return rough;
 }
 
-/// Near the start coarse cells do, once they say there what those of the experiment say. False,
-/// the start being as it was, where one of them says nothing or the search finds no end.
+/// Near the start coarse cells do, once they say there what those of the experiment say. What that
+/// took for one surface at rest is not good enough for the next one: carried over, it left surfaces
+/// wrong by 0.03 mm. False, the start being as it was, where one of them says nothing or the search
+/// finds no end.
 bool Search::fit_corrected(const DataProblem& problem) {
     const ExperimentProblem& coarse = *coarse_problem_;
     if (options_.start.size() == 0) options_.start = starts_of(problem.parameters());
@@ -167,13 +193,14 @@ bool Search::fit_corrected(const DataProblem& problem) {
         found_.fit = fit(corrected, rough, search_.progress);
         if (found_.fit.ending == Ending::too_many_steps) return false;
         take_start(problem.parameters(), found_.fit, options_);
-        options_.warm = exact.prediction;
         coarse_ = CorrectedProblem::cheap_of(*found_.fit.prediction);
+        options_.warm = moved_guess(*exact.prediction, *cheap.prediction, *coarse_, options_.start);
     } catch (const Error& error) {
         if (!is_of_model(error)) throw;
         report_progress(search_.progress, "fit", 0, std::string("not so: ") + error.what());
         return false;
     }
+    is_near_ = true;
     return true;
 }
 
@@ -182,6 +209,7 @@ void Search::fit_roughly(const DataProblem& problem) {
     if (fit_corrected(problem)) return;
     found_.fit = fit(problem, rough_options(), search_.progress);
     take_start(problem.parameters(), found_.fit, options_);
+    is_near_ = found_.fit.ending != Ending::too_many_steps;
 }
 
 bool Search::rest_is_settled() const {
@@ -201,76 +229,128 @@ double Search::move_surface() {
     return move_rest(sucked_, error_mm);
 }
 
-/// What cells h / 2 change with time steps 2 dt, and steps dt / 2 with cells 2 h: what the one
-/// changes hardly depends on the other, and this costs about half of (h / 2, dt) and (h, dt / 2).
-void Search::halve() {
-    const std::array<std::vector<Resizing>, 4> models{
-        {{halve_cells, double_steps}, {double_steps}, {halve_steps, double_cells}, {double_cells}}};
-    for (const std::vector<Resizing>& resizings : models) {
-        SimulationSettings settings = *found_.experiment->at(found_.fit.values).simulation;
-        for (const Resizing resized : resizings)
-            if (!resized(settings)) return;
+void Search::fit_finally(const ProgressSink& progress) {
+    const ExperimentProblem problem(*found_.experiment, search_.configure, search_.jobs, progress);
+    found_.fit = fit(problem, options_, progress);
+    report_progress(progress, "intervals", 0, search_.name);
+    IdentifyOptions judging;
+    judging.jobs = search_.jobs;
+    judging.added_sd = model_sd_(found_.experiment->parameters());
+    found_.is_believed = !is_no_model_(found_.fit);
+    if (!found_.is_believed) {
+        judging.skewness_tolerance = std::numeric_limits<double>::infinity();
+        judging.judges_far_ends = false;
     }
-    std::array<std::shared_ptr<const Prediction>, models.size()> made;
-    SharedProgress progress(search_.progress);
-    std::atomic<int> num_simulation = 0;
-    report(", with halves of cells and steps");
-    run_tasks(models.size(), search_.jobs, progress, [&](std::size_t k) {
-        const ExperimentProblem resized = resized_problem(models[k], progress.sink());
-        try {
-            // From a guess a load is given up early; without one it never is.
-            for (const Prediction* warm : {found_.fit.prediction.get(), (const Prediction*)nullptr})
-                if (!made[k])
-                    made[k] =
-                        checked_prediction(resized, found_.fit.values, PredictedColumns::none, warm)
-                            .prediction;
-        } catch (const Error& error) {
-            // What other cells cannot do is no reason to lose the fit.
-            if (!is_of_model(error)) throw;
-        }
-        num_simulation += resized.num_simulation();
-    });
-    found_.num_simulation += num_simulation;
-    if (std::all_of(made.begin(), made.end(), [](const auto& one) { return one != nullptr; }))
-        found_.halved = {{made[1], made[0]}, {made[3], made[2]}};
+    found_.identified = identify(problem, found_.fit, judging, progress);
+    num_simulation_ += problem.num_simulation();
 }
 
-SearchedTissue Search::run(
-    const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,
-    const std::function<bool(const Fit&)>& is_no_model) {
+/// What cells h / 2 change with time steps 2 dt, and steps dt / 2 with cells 2 h: what the one
+/// changes hardly depends on the other, and this costs about half of (h / 2, dt) and (h, dt / 2).
+/// The dearest first.
+const std::array<Search::Halves, 2> Search::all_halves{
+    {{{double_steps}, {halve_cells, double_steps}}, {{double_cells}, {halve_steps, double_cells}}}};
+
+bool Search::can_halve(const Eigen::VectorXd& values) const {
+    for (const Halves& halves : all_halves)
+        for (const std::vector<Resizing>& resizings : {halves.usual, halves.halved}) {
+            SimulationSettings settings = *found_.experiment->at(values).simulation;
+            for (const Resizing resized : resizings)
+                if (!resized(settings)) return false;
+        }
+    return true;
+}
+
+/// Null where other cells or steps cannot do it: that is no reason to lose the fit.
+std::shared_ptr<const Prediction> Search::resized_prediction(const std::vector<Resizing>& resizings,
+                                                             const Eigen::VectorXd& values,
+                                                             const Prediction* warm,
+                                                             const ProgressSink& progress) {
+    const ExperimentProblem resized = resized_problem(resizings, progress);
+    std::shared_ptr<const Prediction> made;
+    try {
+        // From a guess a load is given up early; without one it never is.
+        for (const Prediction* near : {warm, (const Prediction*)nullptr})
+            if (!made)
+                made = checked_prediction(resized, values, PredictedColumns::none, near).prediction;
+    } catch (const Error& error) {
+        if (!is_of_model(error)) throw;
+    }
+    num_simulation_ += resized.num_simulation();
+    return made;
+}
+
+void Search::halve(std::size_t k, const Eigen::VectorXd& values, const Prediction* warm,
+                   const ProgressSink& progress) {
+    HalvedModel& pair = halved_[k];
+    pair.usual = resized_prediction(all_halves[k].usual, values, warm, progress);
+    if (pair.usual)
+        pair.halved = resized_prediction(all_halves[k].halved, values, pair.usual.get(), progress);
+}
+
+/// Whether the fit ended where what halves change is the same as at these values.
+bool Search::has_stayed_near(const Eigen::VectorXd& values) const {
+    const std::vector<Parameter>& parameters = found_.experiment->parameters();
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+        if (parameters[k].is_nuisance) continue;
+        const auto at = Eigen::Index(k);
+        const double apart = to_transformed(parameters[k], found_.fit.values[at]) -
+                             to_transformed(parameters[k], values[at]);
+        const double known = parameters[k].transform == Transform::log ? near_ln : 0;
+        if (!(std::abs(apart) <= std::max(known, found_.identified.parameters[k].sd))) return false;
+    }
+    return true;
+}
+
+/// What halves change is a difference of two models, so that the values at which both are solved
+/// hardly matter: where the search has come near, it is found beside the end of the search.
+void Search::end_search() {
+    const Eigen::VectorXd near = options_.start;
+    const bool is_near = is_near_ && can_halve(near);
+    const auto run = [&](std::size_t count, const auto& work) {
+        SharedProgress progress(search_.progress);
+        run_tasks(count, search_.jobs, progress, [&](std::size_t k) { work(k, progress.sink()); });
+    };
+    report(is_near ? ", and halves of cells and steps" : "");
+    const std::shared_ptr<const Prediction> guess = options_.warm;
+    run(is_near ? 1 + all_halves.size() : 1, [&](std::size_t k, const ProgressSink& progress) {
+        if (k == 0)
+            fit_finally(progress);
+        else
+            halve(k - 1, near, guess.get(), progress);
+    });
+    if (found_.is_believed && !(is_near && has_stayed_near(near)) && can_halve(found_.fit.values)) {
+        report(", with halves of cells and steps");
+        halved_ = {};
+        run(all_halves.size(), [&](std::size_t k, const ProgressSink& progress) {
+            halve(k, found_.fit.values, found_.fit.prediction.get(), progress);
+        });
+    }
+    found_.num_simulation += num_simulation_;
+    if (found_.is_believed && std::all_of(halved_.begin(), halved_.end(),
+                                          [](const HalvedModel& one) { return one.halved; }))
+        found_.halved.assign(halved_.begin(), halved_.end());
+}
+
+SearchedTissue Search::run() {
     make_experiment();
     find_start();
     bool has_moved = true;
     for (int round = 1;; ++round) {
+        const bool is_rough = !rest_errors_.empty() && has_moved && round <= most_rest_rounds;
         const ExperimentProblem problem(*found_.experiment, search_.configure, search_.jobs,
                                         search_.progress);
-        const bool is_rough = !rest_errors_.empty() && has_moved && round <= most_rest_rounds;
         if (is_rough)
             fit_roughly(problem);
         else if (round == 1)
             fit_corrected(problem);
-        const bool is_last = !is_rough || rest_is_settled();
-        if (is_last) {
-            report("");
-            found_.fit = fit(problem, options_, search_.progress);
-            report_progress(search_.progress, "intervals", 0, search_.name);
-            IdentifyOptions judging;
-            judging.jobs = search_.jobs;
-            judging.added_sd = model_sd(found_.experiment->parameters());
-            found_.is_believed = !is_no_model(found_.fit);
-            if (!found_.is_believed) {
-                judging.skewness_tolerance = std::numeric_limits<double>::infinity();
-                judging.judges_far_ends = false;
-            }
-            found_.identified = identify(problem, found_.fit, judging, search_.progress);
-        }
         found_.num_simulation += problem.num_simulation();
-        if (is_last) break;
+        if (!is_rough || rest_is_settled()) break;
         has_moved = move_surface() >= settled_rest_mm;
         make_experiment();
     }
+    end_search();
     found_.num_simulation += coarse_problem_->num_simulation();
-    if (found_.is_believed) halve();
     return std::move(found_);
 }
 
@@ -280,7 +360,7 @@ SearchedTissue search_tissue(
     const TissueSearch& search,
     const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,
     const std::function<bool(const Fit&)>& is_no_model) {
-    return Search(search).run(model_sd, is_no_model);
+    return Search(search, model_sd, is_no_model).run();
 }
 
 }  // namespace palpate
