@@ -22,6 +22,7 @@
 #include "host/system/exit_codes.hpp"
 #include "solver/base/error.hpp"
 #include "solver/base/serial_blas.hpp"
+#include "solver/base/tasks.hpp"
 
 namespace palpate {
 namespace {
@@ -176,10 +177,15 @@ Outcome fit_tissue(const AspirationSettings& settings, const Suction& suction,
                    const ProgressSink& progress) {
     write_text_file(inside / points_file, input.points_csv());
     AspirationFit all{settings, input, suction, {}};
-    for (const std::string& law : settings.laws)
-        for (const int terms : settings.relaxation_terms)
-            all.models.push_back(
-                fit_one(law, terms, settings, input, suction, inside, values, progress));
+    const std::size_t num_terms = settings.relaxation_terms.size();
+    all.models.resize(settings.laws.size() * num_terms);
+    SharedProgress shared(progress);
+    // A single one has all threads to itself.
+    run_tasks(all.models.size(), jobs_of(values), shared, [&](std::size_t k) {
+        all.models[k] =
+            fit_one(settings.laws[k / num_terms], settings.relaxation_terms[k % num_terms],
+                    settings, input, suction, inside, values, shared.sink());
+    });
     const TriedModel& best = all.best();
     write_text_file(inside / "experiment.toml", best.experiment_toml);
     write_text_file(inside / "identified.toml",
