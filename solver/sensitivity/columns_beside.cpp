@@ -81,7 +81,7 @@ public:
         next.contact.friction = found.contact.friction;
         {
             const std::lock_guard lock(mutex_);
-            if (failure_) return;
+            if (failure_) std::rethrow_exception(failure_);
             queue_.push_back(std::move(next));
             ++num_queued_;
         }

@@ -12,8 +12,8 @@ namespace palpate {
 
 /// `HistoryColumns` on a thread of their own: while the columns at one time are found, the history
 /// goes on to the next. They have an assembly, contacts and a factor for each time to themselves,
-/// which costs memory, and work that is more than what the history's factor would have saved; so
-/// this is for bodies whose loops are too small to be shared among threads.
+/// which costs memory and a factorisation at each time that they would not need on the way; so
+/// this is for bodies that do not keep all threads busy by themselves.
 class ColumnsBeside {
 public:
     /// At rest, before the first time.
@@ -29,7 +29,7 @@ public:
 
     /// Queues the next time, whose equilibrium is `found`: to be called as
     /// `HistoryColumns::advance` is, from a `TimeObserver`, but the tangent of `found` is not
-    /// touched.
+    /// touched. Throws what `HistoryColumns::advance` threw at a time before.
     void follow(const Equilibrium& found);
 
     /// Waits for the columns at all times that were queued, asking `progress` meanwhile, and gives

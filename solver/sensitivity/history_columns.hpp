@@ -40,10 +40,10 @@ public:
 
     /// The columns at the next time, whose equilibrium is `found` on `solid`: to be called from a
     /// `TimeObserver`, once for each time, before the tangent is gone. Of both only the tangent of
-    /// `found` is used up, so the history that is solved stays the same to the last bit. Throws
-    /// Error(invalid_argument) for a state that did not converge and beyond the last time,
-    /// Error(unsupported) for one without tangent, Error(solve_failed) if that is not positive
-    /// definite.
+    /// `found` is used up: the history that is solved stays the same, within Newton's tolerance
+    /// where later times begin with that. Throws Error(invalid_argument) for a state that did not
+    /// converge and beyond the last time, Error(unsupported) for one without tangent,
+    /// Error(solve_failed) if that is not positive definite.
     ColumnsAtTime advance(const SolidAssembly& solid, const Equilibrium& found);
 
     /// The directions that were given: one column each.

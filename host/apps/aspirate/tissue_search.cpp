@@ -70,7 +70,7 @@ private:
     FitOptions rough_options() const;
     bool fit_corrected(const DataProblem& problem);
     void fit_roughly(const DataProblem& problem);
-    void fit_finally(const ProgressSink& progress);
+    void judge(const DataProblem& problem, const ProgressSink& progress);
     bool can_halve(const Eigen::VectorXd& values) const;
     std::shared_ptr<const Prediction> resized_prediction(const std::vector<Resizing>& resizings,
                                                          const Eigen::VectorXd& values,
@@ -196,6 +196,7 @@ bool Search::fit_corrected(const DataProblem& problem) {
         take_start(problem.parameters(), found_.fit, options_);
         coarse_ = CorrectedProblem::cheap_of(*found_.fit.prediction);
         options_.warm = moved_guess(*exact.prediction, *cheap.prediction, *coarse_, options_.start);
+        if (!options_.warm) options_.warm = exact.prediction;
     } catch (const Error& error) {
         if (!is_of_model(error)) throw;
         report_progress(search_.progress, "fit", 0, std::string("not so: ") + error.what());
@@ -230,9 +231,7 @@ double Search::move_surface() {
     return move_rest(sucked_, error_mm);
 }
 
-void Search::fit_finally(const ProgressSink& progress) {
-    const ExperimentProblem problem(*found_.experiment, search_.configure, search_.jobs, progress);
-    found_.fit = fit(problem, options_, progress);
+void Search::judge(const DataProblem& problem, const ProgressSink& progress) {
     report_progress(progress, "intervals", 0, search_.name);
     IdentifyOptions judging;
     judging.jobs = search_.jobs;
@@ -243,7 +242,6 @@ void Search::fit_finally(const ProgressSink& progress) {
         judging.judges_far_ends = false;
     }
     found_.identified = identify(problem, found_.fit, judging, progress);
-    num_simulation_ += problem.num_simulation();
 }
 
 /// What cells h / 2 change with time steps 2 dt, and steps dt / 2 with cells 2 h: what the one
@@ -270,10 +268,11 @@ std::shared_ptr<const Prediction> Search::resized_prediction(const std::vector<R
     const ExperimentProblem resized = resized_problem(resizings, progress);
     std::shared_ptr<const Prediction> made;
     try {
+        if (warm)
+            made = checked_prediction(resized, values, PredictedColumns::none, warm).prediction;
         // From a guess a load is given up early; without one it never is.
-        for (const Prediction* near : {warm, (const Prediction*)nullptr})
-            if (!made)
-                made = checked_prediction(resized, values, PredictedColumns::none, near).prediction;
+        if (!made)
+            made = checked_prediction(resized, values, PredictedColumns::none, nullptr).prediction;
     } catch (const Error& error) {
         if (!is_of_model(error)) throw;
     }
@@ -293,12 +292,13 @@ void Search::halve(std::size_t k, const Eigen::VectorXd& values, const Predictio
 bool Search::has_stayed_near(const Eigen::VectorXd& values) const {
     const std::vector<Parameter>& parameters = found_.experiment->parameters();
     for (std::size_t k = 0; k < parameters.size(); ++k) {
-        if (parameters[k].is_nuisance) continue;
-        const auto at = Eigen::Index(k);
-        const double apart = to_transformed(parameters[k], found_.fit.values[at]) -
-                             to_transformed(parameters[k], values[at]);
-        const double known = parameters[k].transform == Transform::log ? near_ln : 0;
-        if (!(std::abs(apart) <= std::max(known, found_.identified.parameters[k].sd))) return false;
+        const Parameter& one = parameters[k];
+        const double apart =
+            found_.fit.transformed[Eigen::Index(k)] - to_transformed(one, values[Eigen::Index(k)]);
+        const double most = one.transform == Transform::log ? near_ln
+                            : one.has_prior()               ? one.sd
+                                                            : 0.0;
+        if (!(std::abs(apart) <= most)) return false;
     }
     return true;
 }
@@ -307,30 +307,33 @@ bool Search::has_stayed_near(const Eigen::VectorXd& values) const {
 /// hardly matter: where the search has come near, it is found beside the end of the search.
 void Search::end_search() {
     const Eigen::VectorXd near = options_.start;
-    const bool is_near = is_near_ && can_halve(near);
-    const auto run = [&](std::size_t count, const auto& work) {
-        SharedProgress progress(search_.progress);
-        run_tasks(count, search_.jobs, progress, [&](std::size_t k) { work(k, progress.sink()); });
-    };
-    report(is_near ? ", and halves of cells and steps" : "");
     const std::shared_ptr<const Prediction> guess = options_.warm;
-    run(is_near ? 1 + all_halves.size() : 1, [&](std::size_t k, const ProgressSink& progress) {
+    bool is_near = is_near_ && can_halve(near);
+    SharedProgress progress(search_.progress);
+    const ExperimentProblem problem(*found_.experiment, search_.configure, search_.jobs,
+                                    progress.sink());
+    report(is_near ? ", and halves of cells and steps" : "");
+    run_tasks(is_near ? 1 + all_halves.size() : 1, search_.jobs, progress, [&](std::size_t k) {
         if (k == 0)
-            fit_finally(progress);
+            found_.fit = fit(problem, options_, progress.sink());
         else
-            halve(k - 1, near, guess.get(), progress);
+            halve(k - 1, near, guess.get(), progress.sink());
     });
-    if (found_.is_believed && !(is_near && has_stayed_near(near)) && can_halve(found_.fit.values)) {
+    judge(problem, progress.sink());
+    const auto are_halved = [&] {
+        return std::all_of(halved_.begin(), halved_.end(),
+                           [](const HalvedModel& one) { return one.halved; });
+    };
+    is_near = is_near && are_halved() && has_stayed_near(near);
+    if (found_.is_believed && !is_near && can_halve(found_.fit.values)) {
         report(", with halves of cells and steps");
         halved_ = {};
-        run(all_halves.size(), [&](std::size_t k, const ProgressSink& progress) {
-            halve(k, found_.fit.values, found_.fit.prediction.get(), progress);
+        run_tasks(all_halves.size(), search_.jobs, progress, [&](std::size_t k) {
+            halve(k, found_.fit.values, found_.fit.prediction.get(), progress.sink());
         });
     }
-    found_.num_simulation += num_simulation_;
-    if (found_.is_believed && std::all_of(halved_.begin(), halved_.end(),
-                                          [](const HalvedModel& one) { return one.halved; }))
-        found_.halved.assign(halved_.begin(), halved_.end());
+    found_.num_simulation += problem.num_simulation() + num_simulation_;
+    if (found_.is_believed && are_halved()) found_.halved.assign(halved_.begin(), halved_.end());
 }
 
 SearchedTissue Search::run() {

@@ -37,8 +37,8 @@ struct SearchedTissue {
     std::shared_ptr<const Experiment> experiment;
     Fit fit;
     Identified identified;
-    /// What halving cells changes at these values, and halving time steps; empty: not all of it
-    /// could be solved, or the fit is not believed.
+    /// What halving cells changes at these values or near them, and halving time steps; empty: not
+    /// all of it could be solved, or the fit is not believed.
     std::vector<HalvedModel> halved;
     bool is_believed = true;
     int num_simulation = 0;
@@ -49,7 +49,7 @@ struct SearchedTissue {
 /// longer changes.
 ///   model_sd      [num_parameter] of an experiment's parameters, as `IdentifyOptions::added_sd`
 ///   is_no_model   whether a fit leaves too much for anybody to believe it: then intervals are
-///                 quadratic, and nothing is halved
+///                 quadratic, and what halves said is dropped
 SearchedTissue search_tissue(
     const TissueSearch& search,
     const std::function<Eigen::VectorXd(const std::vector<Parameter>&)>& model_sd,

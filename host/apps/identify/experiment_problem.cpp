@@ -101,7 +101,7 @@ std::shared_ptr<const Prediction> moved_guess(const Prediction& exact, const Pre
         simulation->states[i + 1].displacement += more[i] - less[i];
     simulation->columns.clear();
     auto guess = std::make_shared<ExperimentPrediction>();
-    guess->values = values;
+    guess->values = from->values;  // where there is a prediction for sure
     guess->simulation = std::move(simulation);
     return guess;
 }

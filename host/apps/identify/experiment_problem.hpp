@@ -73,9 +73,9 @@ private:
     mutable std::atomic<int> num_simulation_ = 0;
 };
 
-/// A prediction at `values` to begin another one with, and good for nothing else: what `exact` says
-/// at its own, moved by what another model of the experiment, on other cells or at other times,
-/// says that values change,
+/// Something for a prediction at `values` to begin with, and good for nothing else: it has the
+/// values of `exact`, and displacements of that moved by what another model of the experiment, on
+/// other cells or at other times, says that values change,
 ///   u ~ u_exact + u_other(values) - u_other(values of `exact`).
 ///   other   of that model at the values of `exact`
 ///   moved   of that model at `values`, or near them with columns

@@ -25,8 +25,8 @@ struct HalvedModel {
     std::shared_ptr<const Prediction> usual, halved;
 };
 
-/// The same by two pairs at the values of `found`: one for cells, with time steps of twice the size
-/// in both, and one for time steps, with such cells.
+/// The same by two pairs at the values of `found` or near them: one for cells, with time steps of
+/// twice the size in both, and one for time steps, with such cells.
 void check_mesh(const std::vector<HalvedModel>& pairs, IdentifiedExperiment& found,
                 const Eigen::VectorXd& model_sd = {});
 

@@ -100,8 +100,8 @@ SimulationState rest_state(const PreparedSimulation& prepared, const std::vector
     return state;
 }
 
-/// Larger bodies share their loops among threads.
-constexpr Index most_dofs_beside = 20000;
+/// Larger bodies share their loops among threads, and those in space are solved on devices.
+constexpr Index most_dofs_beside = 8000;
 
 /// Of the body at rest.
 StateColumns columns_at_rest(const PreparedSimulation& prepared, Eigen::Index count) {

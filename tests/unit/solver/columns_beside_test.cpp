@@ -67,7 +67,7 @@ TEST(ColumnsBeside, SayAtTheEndWhatAnAdvanceThrew) {
     lost.displacement.setZero(history.model.num_dofs());
     beside.follow(lost);
     EXPECT_THROW(beside.finish({}), Error);
-    beside.follow(lost);  // nothing more happens
+    EXPECT_THROW(beside.follow(lost), Error);
     EXPECT_THROW(beside.finish({}), Error);
 
     ColumnsBeside too_many(history.model, history.times, directions_of(history), {});
@@ -86,6 +86,15 @@ TEST(ColumnsBeside, SayAtTheEndWhatAnAdvanceThrew) {
 
 TEST(ColumnsBeside, NobodyWaitsForEndWithTheirObject) {
     const LoadHistory history = history_with(0);
+    {
+        ColumnsBeside left(history.model, history.times, directions_of(history), {});
+        EXPECT_THROW(solve_history(history.model, history.times, {}, {},
+                                   [&](const SolidAssembly&, const Equilibrium& found) {
+                                       left.follow(found);
+                                       throw Error(ErrorCode::cancelled, "enough");
+                                   }),
+                     Error);
+    }
     ColumnsBeside beside(history.model, history.times, directions_of(history), {});
     solve_history(history.model, history.times, {}, {},
                   [&](const SolidAssembly&, const Equilibrium& found) { beside.follow(found); });
