@@ -35,7 +35,7 @@ using ModelSd = std::function<Eigen::VectorXd(const std::vector<Parameter>&)>;
 using IsNoModel = std::function<bool(const Fit&)>;
 
 /// For tissue that differs by less, what halves change is the same: of 24 films no number moved by
-/// more than 0.13 sd, in 23 of them by more than 0.012, against halves at the end.
+/// more than 0.012 sd against halves at the end.
 constexpr double near_ln = 0.1;
 
 /// Whether coarse cells may have an error where those of the experiment have none.
