@@ -7,13 +7,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <random>
 #include <sstream>
 
+#include "host/apps/aspirate/profile_series.hpp"
 #include "host/geometry/meshing/mesh_files.hpp"
 #include "host/geometry/surfaces/read_shapes.hpp"
 #include "host/io/decode_pictures.hpp"
@@ -25,6 +28,7 @@
 // Damaged files of each format, read as users' files are. What the checks let through meets the
 // decoder in a child, which may die; this process may not.
 //   PALPATE_MUTATIONS=10000 build/release/bin/mutation_test     the long form
+//   PALPATE_MUTATION_SEED=8 ..                                  other damage than that of CI
 namespace palpate {
 namespace {
 
@@ -33,9 +37,9 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr double longest_read_s = 5;  // processor time of a child is limited to 60 s
 constexpr long largest_child_kib = 2L << 20;
 
-int num_mutations() {
-    const char* wanted = std::getenv("PALPATE_MUTATIONS");
-    return wanted ? std::atoi(wanted) : 400;
+int wanted_number(const char* variable, int usual) {
+    const char* wanted = std::getenv(variable);
+    return wanted ? std::atoi(wanted) : usual;
 }
 
 Bytes bytes_of(const std::filesystem::path& path) {
@@ -254,6 +258,28 @@ void read_picture(const std::filesystem::path& path) {
     EXPECT_EQ(decode_pictures({&path, 1}, shape).size(), shape.num_pixels());
 }
 
+/// Of three frames, times and places written as ProfileWriter does.
+void write_profile_table(const std::filesystem::path& path) {
+    std::ofstream out(path);
+    out << "time_s,r_mm,z_mm,sd_mm,flag\n";
+    for (const char* time : {"0", "0.04", "0.08"})
+        for (int n = -3; n <= 3; ++n)
+            out << time << ',' << 0.5 * n << ',' << 1.25 - 0.1 * n * n << ",0.012," << n % 2 + 1
+                << '\n';
+}
+
+void read_profile_table(const std::filesystem::path& path) {
+    double before_s = -std::numeric_limits<double>::infinity();
+    for (const FrameProfile& frame : read_profiles(path)) {
+        EXPECT_GT(frame.time_s, before_s);
+        before_s = frame.time_s;
+        for (const ProfilePoint& point : frame.points) {
+            EXPECT_TRUE(std::isfinite(point.r_mm) && std::isfinite(point.z_mm));
+            EXPECT_GT(point.sd_mm, 0);
+        }
+    }
+}
+
 struct Counts {
     int accepted = 0, refused = 0, child_died = 0;
     double slowest_s = 0;
@@ -290,13 +316,14 @@ TEST_P(Mutation, OfAFileIsReadOrRefused) {
     const std::filesystem::path path = folder.path() / ("a" + GetParam().ending);
     GetParam().write(path);
     const Bytes good = bytes_of(path);
-    Mutator mutate(7);
+    Mutator mutate(std::uint32_t(wanted_number("PALPATE_MUTATION_SEED", 7)));
+    const int num_mutations = wanted_number("PALPATE_MUTATIONS", 400);
     Counts counts;
     read_one(GetParam(), path, counts);
     ASSERT_EQ(counts.accepted, 1) << "the good one: " << counts.said;
     counts = {};
 
-    for (int k = 0; k < num_mutations(); ++k) {
+    for (int k = 0; k < num_mutations; ++k) {
         const Bytes bytes = mutate(good);
         std::ofstream(path, std::ios::binary)
             .write(reinterpret_cast<const char*>(bytes.data()),
@@ -323,7 +350,7 @@ const Format formats[] = {
     {".vtp", write_surface, read_triangles}, {".vtk", write_surface, read_triangles},
     {".ply", write_surface, read_triangles}, {".stl", write_surface, read_triangles},
     {".obj", write_surface, read_triangles}, {".png", write_picture, read_picture},
-    {".tif", write_picture, read_picture},
+    {".tif", write_picture, read_picture},   {".csv", write_profile_table, read_profile_table},
 };
 
 INSTANTIATE_TEST_SUITE_P(Format, Mutation, testing::ValuesIn(formats), [](const auto& format) {

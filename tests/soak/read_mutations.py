@@ -20,7 +20,7 @@ LINE = re.compile(r"^(\.\S+): (\d+) read, (\d+) refused, (\d+) killed their chil
 
 def figures(long):
     if not long:
-        return []  # mutation_test itself, 1,000 of each, is the short form
+        return []  # mutation_test itself, 400 of each, is the short form
     finished = subprocess.run([BIN / "mutation_test"], capture_output=True, text=True, check=False,
                               env={**os.environ, "PALPATE_MUTATIONS": "10000"})
     found = []
