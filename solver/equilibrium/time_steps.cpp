@@ -25,14 +25,27 @@ void check_times(const std::vector<LoadTime>& times) {
 
 namespace {
 
-/// The guess of the next time, moved by what that of the time before was off.
-Eigen::VectorXd guess_at(const std::vector<Equilibrium>& states,
+/// The guess of the next time, moved by how far those before were off: that goes on as it went.
+Eigen::VectorXd guess_at(const std::vector<LoadTime>& times, const std::vector<Equilibrium>& states,
                          const std::vector<Eigen::VectorXd>& guesses) {
     const std::size_t next = states.size();
     if (next >= guesses.size()) return {};
-    if (next == 0 || states.back().displacement.size() != guesses[next - 1].size())
-        return guesses[next];
-    return guesses[next] + states.back().displacement - guesses[next - 1];
+    const auto is_off = [&](std::size_t n) -> Eigen::VectorXd {
+        return states[n].displacement - guesses[n];
+    };
+    const auto has_size = [&](std::size_t n) {
+        return states[n].displacement.size() == guesses[n].size();
+    };
+    if (next == 0 || !has_size(next - 1)) return guesses[next];
+    Eigen::VectorXd off = is_off(next - 1);
+    if (next > 1 && has_size(next - 2)) {
+        // e_n = u_n - g_n,   u_{n+1} ~ g_{n+1} + e_n + (e_n - e_{n-1}) (t_{n+1} - t_n) / (t_n -
+        // t_{n-1})
+        const double ratio = (times[next].time_s - times[next - 1].time_s) /
+                             (times[next - 1].time_s - times[next - 2].time_s);
+        off += ratio * (off - is_off(next - 2));
+    }
+    return guesses[next] + off;
 }
 
 }  // namespace
@@ -50,7 +63,7 @@ std::vector<Equilibrium> solve_history(const SolidModel& model, const std::vecto
     for (const LoadTime& at : times) {
         const double dt_s = at.time_s - now_s;
         if (has_relaxation(model)) history.begin_step(dt_s, solid);
-        start.guess = guess_at(states, guesses);
+        start.guess = guess_at(times, states, guesses);
         states.push_back(solve_equilibrium(solid, at.loads, options, start, progress));
         Equilibrium& found = states.back();
         if (found.converged && has_relaxation(model))

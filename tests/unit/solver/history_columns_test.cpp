@@ -338,6 +338,34 @@ TEST(HistoryGuesses, FromColumnsLeadToTheSameStatesInFewerSteps) {
     EXPECT_LT(num_newton_steps(warm), num_newton_steps(cold));
 }
 
+// What guesses are off by is followed in a straight line, whatever the steps.
+TEST(HistoryGuesses, ThatAreOffByMoreAndMoreAreMetAtTheThirdTime) {
+    LoadHistory history = plain_history();
+    double before_s = 0;
+    for (std::size_t i = 0; i < history.times.size(); ++i)
+        before_s = history.times[i].time_s = before_s + (i % 2 ? 0.3 : 0.5);
+    ASSERT_GE(history.times.size(), 3u);
+    const auto answers = solve_history(history.model, history.times, tight());
+    std::vector<Eigen::VectorXd> guesses;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        ASSERT_TRUE(answers[i].converged) << answers[i].message;
+        guesses.push_back(answers[i].displacement -
+                          1e-3 * (1 + history.times[i].time_s) * answers[0].displacement);
+    }
+    const auto found = solve_history(history.model, history.times, tight(), {}, {}, guesses);
+    ASSERT_EQ(found.size(), answers.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        SCOPED_TRACE(i);
+        ASSERT_TRUE(found[i].converged) << found[i].message;
+        ASSERT_FALSE(found[i].records.empty());
+        const double first = found[i].records[0].relative_residual;
+        if (i < 2)
+            EXPECT_GT(first, 1e-5);
+        else
+            EXPECT_LT(first, 1e-7);
+    }
+}
+
 TEST(HistoryGuesses, ThatAreFarOffDoNoHarm) {
     const LoadHistory history = plain_history();
     const auto cold = solve_history(history.model, history.times, tight());
