@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "host/apps/simulate/graded_mesh.hpp"
+#include "solver/materials/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -112,6 +113,17 @@ std::string aspiration_model_text(const AspirationBody& body) {
     text += fmt::format("\n[history]\ntime_s = {}\nshare = {}\n", list_of(body.steps.time_s),
                         list_of(body.steps.share));
     return text;
+}
+
+void limit_bulk_modulus(double most_kpa, SimulationSettings& settings) {
+    for (MaterialSettings& one : settings.materials) {
+        const MaterialDescription& law = material_law(one.material.law);
+        for (std::size_t k = 0; k < law.parameters.size(); ++k) {
+            double& value = one.material.parameters[k];
+            if (law.parameters[k].name == "kappa_kpa") value = std::min(value, most_kpa);
+            if (law.parameters[k].name == "d1_per_kpa") value = std::max(value, 2 / most_kpa);
+        }
+    }
 }
 
 RestSurface cap_surface(double height_mm, double hole_radius_mm, double edge_radius_mm) {

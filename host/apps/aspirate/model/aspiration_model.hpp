@@ -7,6 +7,7 @@
 
 #include "host/apps/aspirate/model/aspiration_settings.hpp"
 #include "host/apps/aspirate/model/suction.hpp"
+#include "host/apps/simulate/simulation_settings.hpp"
 
 namespace palpate {
 
@@ -48,6 +49,9 @@ struct AspirationBody {
 /// `palpate identify`: an axisymmetric body under a tube, x from the axis, y = 0 the rim's lower
 /// face, suction that follows the surface, time from the begin of suction.
 std::string aspiration_model_text(const AspirationBody& body);
+
+/// Makes tissue easier to compress where its bulk modulus is above `most_kpa`.
+void limit_bulk_modulus(double most_kpa, SimulationSettings& settings);
 
 /// The surface of a cap: h (1 - (r / radius)^2)^1.25, sampled to where the tube's face is level.
 RestSurface cap_surface(double height_mm, double hole_radius_mm, double edge_radius_mm);
