@@ -45,22 +45,28 @@ private:
 };
 
 namespace detail {
-inline thread_local bool is_within_task = false;
+/// Threads that a task may use, itself one of them; 0: this is within none.
+inline thread_local int num_threads_of_task = 0;
+}  // namespace detail
+
+/// Of `jobs` threads those that the caller may use: within a task its share of them.
+inline int jobs_here(int jobs) {
+    const int share = detail::num_threads_of_task;
+    return share > 0 ? std::min(jobs, share) : jobs;
 }
 
-/// Of `jobs` threads those that the caller may use: one within a task.
-inline int jobs_here(int jobs) { return detail::is_within_task ? 1 : jobs; }
-
 /// Calls `work(k)` once for each k in [0, count), on at most `jobs` threads, that of the caller
-/// among them: for few tasks that each take long. Within a task of another call they run one after
-/// the other, so that no more than `jobs` ever run. After a failure no further task begins and
-/// `progress` stops the others; then the failure is rethrown. The caller's thread goes on asking
-/// `progress` while it waits: a sink may hear of a wish to stop there alone (Python's signals).
+/// among them: for few tasks that each take long. Each may use as many threads as all leave to it
+/// (`jobs_here`), so that no more than `jobs` ever run, whatever calls are nested. After a failure
+/// no further task begins and `progress` stops the others; then the failure is rethrown. The
+/// caller's thread goes on asking `progress` while it waits: a sink may hear of a wish to stop
+/// there alone (Python's signals).
 template <typename Work>
 void run_tasks(std::size_t count, int jobs, SharedProgress& progress, Work&& work) {
     using namespace std::chrono_literals;
-    const bool was_within_task = detail::is_within_task;
+    const int outer_share = detail::num_threads_of_task;
     const int num_threads = std::min(jobs_here(jobs), static_cast<int>(count));
+    const int share = jobs_here(jobs) / std::max(1, num_threads);
     std::optional<SerialBlas> serial;
     if (num_threads > 1) serial.emplace();
 
@@ -86,15 +92,15 @@ void run_tasks(std::size_t count, int jobs, SharedProgress& progress, Work&& wor
     std::vector<std::jthread> threads;
     for (int t = num_others; t > 0; --t)
         threads.emplace_back([&] {
-            detail::is_within_task = true;
+            detail::num_threads_of_task = share;
             run();
             const std::lock_guard lock(mutex);
             --num_others;
             one_is_done.notify_one();
         });
-    detail::is_within_task = num_threads > 1 || was_within_task;
+    if (num_threads > 1) detail::num_threads_of_task = share;
     run();
-    detail::is_within_task = was_within_task;
+    detail::num_threads_of_task = outer_share;
     for (std::unique_lock lock(mutex);
          !one_is_done.wait_for(lock, 200ms, [&] { return num_others == 0; });) {
         if (progress.is_stopped()) continue;

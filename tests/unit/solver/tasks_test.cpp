@@ -39,7 +39,32 @@ TEST(Tasks, WithinATaskRunOneAfterTheOther) {
         });
     });
     EXPECT_LE(most, 2);
-    // and after that side by side again
+    EXPECT_EQ(jobs_here(4), 4);
+}
+
+TEST(Tasks, ShareTheThreadsThatNoTaskHas) {
+    SharedProgress outer({});
+    std::atomic<int> running = 0, most = 0;
+    run_tasks(2, 5, outer, [&](std::size_t) {
+        EXPECT_EQ(jobs_here(8), 2);  // two of five each
+        EXPECT_EQ(jobs_here(1), 1);
+        SharedProgress inner({});
+        run_tasks(6, 8, inner, [&](std::size_t) {
+            EXPECT_EQ(jobs_here(8), 1);
+            const int now = ++running;
+            for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) continue;
+            std::this_thread::sleep_for(5ms);
+            --running;
+        });
+        EXPECT_EQ(jobs_here(8), 2);
+    });
+    EXPECT_LE(most, 4);
+    EXPECT_EQ(jobs_here(8), 8);
+}
+
+TEST(Tasks, RunSideBySideAgainAfterNestedOnes) {
+    SharedProgress outer({});
+    run_tasks(2, 2, outer, [](std::size_t) {});
     EXPECT_EQ(jobs_here(4), 4);
     std::atomic<int> met = 0;
     run_tasks(2, 2, outer, [&](std::size_t) {
