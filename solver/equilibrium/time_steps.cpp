@@ -25,6 +25,9 @@ void check_times(const std::vector<LoadTime>& times) {
 
 namespace {
 
+/// Of a time step and the one before: so far guesses are followed.
+constexpr double longest_ratio = 3;
+
 /// The guess of the next time, moved by how far those before were off: that goes on as it went.
 Eigen::VectorXd guess_at(const std::vector<LoadTime>& times, const std::vector<Equilibrium>& states,
                          const std::vector<Eigen::VectorXd>& guesses) {
@@ -39,11 +42,10 @@ Eigen::VectorXd guess_at(const std::vector<LoadTime>& times, const std::vector<E
     if (next == 0 || !has_size(next - 1)) return guesses[next];
     Eigen::VectorXd off = is_off(next - 1);
     if (next > 1 && has_size(next - 2)) {
-        // e_n = u_n - g_n,   u_{n+1} ~ g_{n+1} + e_n + (e_n - e_{n-1}) (t_{n+1} - t_n) / (t_n -
-        // t_{n-1})
+        // e_n = u_n - g_n,   u_{n+1} ~ g_{n+1} + e_n + (e_n - e_{n-1}) dt_{n+1} / dt_n
         const double ratio = (times[next].time_s - times[next - 1].time_s) /
                              (times[next - 1].time_s - times[next - 2].time_s);
-        off += ratio * (off - is_off(next - 2));
+        off += std::min(ratio, longest_ratio) * (off - is_off(next - 2));
     }
     return guesses[next] + off;
 }
