@@ -59,9 +59,13 @@ PredictionAttempt attempt(const DataProblem& problem, const Eigen::VectorXd& val
 
 }  // namespace
 
+const Prediction* solved_of(const Prediction* prediction) {
+    return prediction && prediction->solved ? prediction->solved.get() : prediction;
+}
+
 PredictionAttempt checked_prediction(const DataProblem& problem, const Eigen::VectorXd& values,
                                      PredictedColumns columns, const Prediction* warm) {
-    PredictionAttempt made = attempt(problem, values, columns, warm);
+    PredictionAttempt made = attempt(problem, values, columns, solved_of(warm));
     if (!made.prediction) {
         if (made.failure.empty()) made.failure = "the model could not be solved";
         return made;

@@ -43,7 +43,13 @@ struct Prediction {
     virtual ~Prediction() = default;
     Eigen::VectorXd values;  ///< [num_parameter] where it was made, on the parameters' own scales
     std::vector<DataBlock> blocks;
+    /// Where its columns are those of one nearby (`with_columns_of`): that one, and this one as the
+    /// model gave it. Null: they are its own.
+    std::shared_ptr<const Prediction> columns_of = nullptr, solved = nullptr;
 };
+
+/// What the model gave: the prediction, or the one that it was made of; null of null.
+const Prediction* solved_of(const Prediction* prediction);
 
 /// A prediction, or why there is none.
 struct PredictionAttempt {

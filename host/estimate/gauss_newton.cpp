@@ -11,6 +11,7 @@
 #include <limits>
 #include <utility>
 
+#include "host/estimate/kept_columns.hpp"
 #include "solver/base/error.hpp"
 
 namespace palpate {
@@ -67,7 +68,9 @@ private:
     Eigen::VectorXd damped_step(const std::vector<Index>& free) const;
     double enough_gain() const;
     double held_objective(const Prediction& prediction) const;
-    std::shared_ptr<const Prediction> predict(const Eigen::VectorXd& values, std::string& failure);
+    std::shared_ptr<const Prediction> predict(const Eigen::VectorXd& values, std::string& failure,
+                                              bool keeps_columns = false);
+    bool keeps_columns_at(const Eigen::VectorXd& transformed) const;
     bool try_step(const std::vector<Index>& free);
     void accept(std::shared_ptr<const Prediction> prediction, double ratio);
     void reject(bool has_failed);
@@ -122,15 +125,28 @@ void GaussNewtonSearch::linearise() {
 }
 
 std::shared_ptr<const Prediction> GaussNewtonSearch::predict(const Eigen::VectorXd& values,
-                                                             std::string& failure) {
+                                                             std::string& failure,
+                                                             bool keeps_columns) {
     check_cancelled(progress_);
     ++now_.num_prediction;
-    const PredictionAttempt made =
-        checked_prediction(problem_, values, PredictedColumns::wanted, now_.prediction.get());
-    if (made.prediction) return made.prediction;
+    const PredictionAttempt made = checked_prediction(
+        problem_, values, keeps_columns ? PredictedColumns::none : PredictedColumns::wanted,
+        now_.prediction.get());
+    if (made.prediction)
+        return keeps_columns ? with_columns_of(now_.prediction, made.prediction, parameters_)
+                             : made.prediction;
     ++now_.num_failed;
     failure = made.failure;
     return nullptr;
+}
+
+/// (t - t_c)^T H (t - t_c) / 2 with t_c where the columns were made, and what is left to gain.
+bool GaussNewtonSearch::keeps_columns_at(const Eigen::VectorXd& transformed) const {
+    const double within = options_.keeps_columns_within;
+    if (!(now_.predicted_gain < within)) return false;
+    const Eigen::VectorXd away =
+        transformed - to_transformed(parameters_, place_of_columns(*now_.prediction));
+    return 0.5 * away.dot(now_.equations.hessian * away) < within;
 }
 
 std::vector<Index> GaussNewtonSearch::free_parameters() const {
@@ -185,7 +201,8 @@ bool GaussNewtonSearch::try_step(const std::vector<Index>& free) {
                  promised = quadratic_gain(now_.equations, step);
     GaussNewtonTrial trial{std::numeric_limits<double>::infinity(), now_.predicted_gain, damping_,
                            false, ""};
-    const auto made = predict(to_values(parameters_, now_.transformed + step), trial.failure);
+    const Eigen::VectorXd next = now_.transformed + step;
+    const auto made = predict(to_values(parameters_, next), trial.failure, keeps_columns_at(next));
     const double after = made ? held_objective(*made) : trial.objective;
     const double gain = before - after;
     // Where F no longer resolves what is left to gain, the quadratic is trusted.

@@ -31,6 +31,9 @@ struct GaussNewtonOptions {
     double gain_tolerance = 0.01;
     /// Or less than this share of the misfit, for searches whose noise is not yet known.
     double gain_share = 0;
+    /// A step that should gain less than this and ends within as much of where columns were made,
+    /// in ln posterior, is solved without columns and keeps those (a chord step). 0: none does.
+    double keeps_columns_within = 0;
     int max_steps = 60;           ///< accepted and rejected ones
     double first_damping = 1e-3;  ///< lambda of the first step, in units of the curvature
 };
@@ -52,11 +55,12 @@ struct GaussNewtonTrial {
 };
 
 struct GaussNewtonMinimum {
-    Eigen::VectorXd values, transformed;           ///< [num_parameter]
-    std::shared_ptr<const Prediction> prediction;  ///< there, with columns
-    NormalEquations equations;                     ///< there
-    double objective = 0;                          ///< F there, `minus_log_posterior`
-    double predicted_gain = 0;                     ///< what the best step would still gain
+    Eigen::VectorXd values, transformed;  ///< [num_parameter]
+    /// There, with columns; those of a place nearby where `keeps_columns_within` allowed it.
+    std::shared_ptr<const Prediction> prediction;
+    NormalEquations equations;  ///< there
+    double objective = 0;       ///< F there, `minus_log_posterior`
+    double predicted_gain = 0;  ///< what the best step would still gain
     Ending ending = Ending::converged;
     std::vector<GaussNewtonTrial> trials;
     int num_prediction = 0, num_failed = 0;
