@@ -66,7 +66,7 @@ void run_tasks(std::size_t count, int jobs, SharedProgress& progress, Work&& wor
     using namespace std::chrono_literals;
     const int outer_share = detail::num_threads_of_task;
     const int num_threads = std::min(jobs_here(jobs), static_cast<int>(count));
-    const int share = jobs_here(jobs) / std::max(1, num_threads);
+    const int share = std::max(1, jobs_here(jobs) / std::max(1, num_threads));
     std::optional<SerialBlas> serial;
     if (num_threads > 1) serial.emplace();
 
@@ -98,7 +98,7 @@ void run_tasks(std::size_t count, int jobs, SharedProgress& progress, Work&& wor
             --num_others;
             one_is_done.notify_one();
         });
-    if (num_threads > 1) detail::num_threads_of_task = share;
+    detail::num_threads_of_task = share;
     run();
     detail::num_threads_of_task = outer_share;
     for (std::unique_lock lock(mutex);

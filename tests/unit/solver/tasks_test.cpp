@@ -42,24 +42,57 @@ TEST(Tasks, WithinATaskRunOneAfterTheOther) {
     EXPECT_EQ(jobs_here(4), 4);
 }
 
+/// Counts who is between `enter` and `leave`.
+class Meeting {
+public:
+    void enter() {
+        const int now = ++inside_;
+        for (int seen = most_; now > seen && !most_.compare_exchange_weak(seen, now);) continue;
+    }
+    void leave() { --inside_; }
+    int most() const { return most_; }
+
+private:
+    std::atomic<int> inside_ = 0, most_ = 0;
+};
+
 TEST(Tasks, ShareTheThreadsThatNoTaskHas) {
     SharedProgress outer({});
-    std::atomic<int> running = 0, most = 0;
+    Meeting meeting;
     run_tasks(2, 5, outer, [&](std::size_t) {
         EXPECT_EQ(jobs_here(8), 2);  // two of five each
         EXPECT_EQ(jobs_here(1), 1);
         SharedProgress inner({});
-        run_tasks(6, 8, inner, [&](std::size_t) {
+        std::atomic<int> met = 0;
+        run_tasks(2, 8, inner, [&](std::size_t) {
             EXPECT_EQ(jobs_here(8), 1);
-            const int now = ++running;
-            for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) continue;
-            std::this_thread::sleep_for(5ms);
-            --running;
+            meeting.enter();
+            ++met;
+            for (int wait = 0; met < 2 && wait < 2000; ++wait) std::this_thread::sleep_for(1ms);
+            meeting.leave();
         });
+        EXPECT_EQ(met, 2);
         EXPECT_EQ(jobs_here(8), 2);
     });
-    EXPECT_LE(most, 4);
+    EXPECT_GE(meeting.most(), 2);
+    EXPECT_LE(meeting.most(), 4);
     EXPECT_EQ(jobs_here(8), 8);
+}
+
+TEST(Tasks, OfOneThreadHaveThatOneAndASingleTaskHasAll) {
+    SharedProgress outer({});
+    Meeting meeting;
+    run_tasks(3, 1, outer, [&](std::size_t) {
+        EXPECT_EQ(jobs_here(8), 1);
+        SharedProgress inner({});
+        run_tasks(3, 8, inner, [&](std::size_t) {
+            meeting.enter();
+            std::this_thread::sleep_for(1ms);
+            meeting.leave();
+        });
+    });
+    EXPECT_EQ(meeting.most(), 1);
+    run_tasks(1, 4, outer, [](std::size_t) { EXPECT_EQ(jobs_here(8), 4); });
 }
 
 TEST(Tasks, RunSideBySideAgainAfterNestedOnes) {
