@@ -47,7 +47,7 @@ PredictionAttempt CorrectedProblem::predict(const Eigen::VectorXd& values, Predi
 }
 
 std::shared_ptr<const Prediction> CorrectedProblem::cheap_of(const Prediction& prediction) {
-    const auto* corrected = dynamic_cast<const CorrectedPrediction*>(&prediction);
+    const auto* corrected = dynamic_cast<const CorrectedPrediction*>(solved_of(&prediction));
     return corrected ? corrected->cheap : nullptr;
 }
 

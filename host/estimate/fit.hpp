@@ -49,10 +49,11 @@ struct FitOptions {
 
 /// The most probable values and what was learned of the noise.
 struct Fit {
-    Eigen::VectorXd values, transformed;           ///< [num_parameter]
-    std::shared_ptr<const Prediction> prediction;  ///< there, with columns
-    std::shared_ptr<const NoiseModel> noise;       ///< discrepancies and weights there
-    NormalEquations equations;                     ///< there
+    Eigen::VectorXd values, transformed;  ///< [num_parameter]
+    /// There, with columns; those of a place nearby where `keeps_columns_within` allowed it.
+    std::shared_ptr<const Prediction> prediction;
+    std::shared_ptr<const NoiseModel> noise;  ///< discrepancies and weights there
+    NormalEquations equations;                ///< there
     /// How uncertain the discrepancies are (`discrepancy_covariances`), one for each block; empty
     /// if they were not learned.
     std::vector<Eigen::Matrix3d> discrepancy_covariance;

@@ -74,6 +74,7 @@ private:
     bool try_step(const std::vector<Index>& free);
     void accept(std::shared_ptr<const Prediction> prediction, double ratio);
     void reject(bool has_failed);
+    bool renew_columns();
     bool is_idle() const;
     double least_promised() const;
     bool is_exhausted() const { return damping_ > max_damping || reach_ < min_reach; }
@@ -215,7 +216,23 @@ bool GaussNewtonSearch::try_step(const std::vector<Index>& free) {
     trial.objective = trial.accepted ? now_.objective : after;
     now_.trials.push_back(trial);
     objectives_.push_back(now_.objective);
-    return trial.accepted;
+    return trial.accepted || renew_columns();
+}
+
+/// After a step that was rejected: where the columns are those of another place, the gradient may
+/// be none of this one. False where they are its own, or cannot be had.
+bool GaussNewtonSearch::renew_columns() {
+    if (!now_.prediction->columns_of) return false;
+    std::string failure;
+    const auto own = predict(now_.values, failure);
+    if (!own) return false;
+    now_.prediction = own;
+    linearise();
+    damping_ = options_.first_damping;
+    growth_ = 2;
+    reach_ = 1;
+    objectives_ = {now_.objective};
+    return true;
 }
 
 /// lambda falls by up to 3 where the quadratic is right, and rises where it is not (Madsen et al.).

@@ -32,7 +32,8 @@ struct GaussNewtonOptions {
     /// Or less than this share of the misfit, for searches whose noise is not yet known.
     double gain_share = 0;
     /// A step that should gain less than this and ends within as much of where columns were made,
-    /// in ln posterior, is solved without columns and keeps those (a chord step). 0: none does.
+    /// in ln posterior, is solved without columns and keeps those (a chord step). Where one is
+    /// rejected, columns are made. 0: none does.
     double keeps_columns_within = 0;
     int max_steps = 60;           ///< accepted and rejected ones
     double first_damping = 1e-3;  ///< lambda of the first step, in units of the curvature

@@ -85,9 +85,9 @@ std::size_t next_number() {
 std::shared_ptr<const Prediction> moved_guess(const Prediction& exact, const Prediction& other,
                                               const Prediction& moved,
                                               const Eigen::VectorXd& values) {
-    const auto* from = dynamic_cast<const ExperimentPrediction*>(&exact);
-    const auto* before = dynamic_cast<const ExperimentPrediction*>(&other);
-    const auto* after = dynamic_cast<const ExperimentPrediction*>(&moved);
+    const auto* from = dynamic_cast<const ExperimentPrediction*>(solved_of(&exact));
+    const auto* before = dynamic_cast<const ExperimentPrediction*>(solved_of(&other));
+    const auto* after = dynamic_cast<const ExperimentPrediction*>(solved_of(&moved));
     if (!from || !before || !after || !from->simulation || !from->simulation->converged())
         return nullptr;
     const SimulationSettings& settings = from->simulation->settings;
