@@ -106,6 +106,18 @@ std::shared_ptr<const Prediction> moved_guess(const Prediction& exact, const Pre
     return guess;
 }
 
+std::shared_ptr<const Prediction> guess_for(const Prediction& other,
+                                            const Eigen::VectorXd& values) {
+    const auto* from = dynamic_cast<const ExperimentPrediction*>(solved_of(&other));
+    if (!from || !from->simulation || !from->simulation->converged()) return nullptr;
+    auto simulation = std::make_shared<SimulationResult>(*from->simulation);
+    simulation->columns.clear();
+    auto guess = std::make_shared<ExperimentPrediction>();
+    guess->values = values;
+    guess->simulation = std::move(simulation);
+    return guess;
+}
+
 ExperimentProblem::ExperimentProblem(const Experiment& experiment,
                                      std::function<void(SimulationSettings&)> configure, int jobs,
                                      ProgressSink progress)

@@ -84,4 +84,8 @@ std::shared_ptr<const Prediction> moved_guess(const Prediction& exact, const Pre
                                               const Prediction& moved,
                                               const Eigen::VectorXd& values);
 
+/// The displacements of another experiment's prediction, for one at `values` to begin with. Null
+/// where the other has no body.
+std::shared_ptr<const Prediction> guess_for(const Prediction& other, const Eigen::VectorXd& values);
+
 }  // namespace palpate
