@@ -23,7 +23,7 @@ law = "veronda-westmann"
 mu_kpa = {mu}
 gamma = {gamma}
 kappa_kpa = 8000
-relaxation = [{{amplitude = {amplitude}, time_s = {tau}}}]
+relaxation = [{relaxation}]
 [[fix]]
 where = {{side = "y-min"}}
 [[fix]]
@@ -50,8 +50,11 @@ share = {shares}
 """
 
 
-def make(folder, step_s, *, mu=0.7, gamma=10, amplitude=0.4, tau=3, sd_mm=0.003, seed=1, rate_hz=10):
-    """Writes profiles.csv and pressure.csv of a cycle of 12 s; film and readings have one clock."""
+def make(folder, step_s, *, mu=0.7, gamma=10, terms=((0.4, 3),), sd_mm=0.003, seed=1, rate_hz=10):
+    """Writes profiles.csv and pressure.csv of a cycle of 12 s; film and readings have one clock.
+
+    terms: amplitude and time, s, of each relaxation term.
+    """
     x = numpy.linspace(0, HOLE_MM + EDGE_MM, 27)
     y = CAP_MM * numpy.clip(1 - (x / HOLE_MM) ** 2, 0, None) ** 1.25
     away = numpy.clip(HOLE_MM + EDGE_MM - x, 0, EDGE_MM)
@@ -66,8 +69,9 @@ def make(folder, step_s, *, mu=0.7, gamma=10, amplitude=0.4, tau=3, sd_mm=0.003,
     shares = numpy.interp(times, CYCLE_S, CYCLE_MBAR) / max(CYCLE_MBAR)
     words = lambda values: "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
     (folder / "truth.toml").write_text(MODEL.format(
-        x=words(x), y=words(y), mu=mu, gamma=gamma, amplitude=amplitude, tau=tau, times=words(times - begin),
-        shares=words(shares)))
+        x=words(x), y=words(y), mu=mu, gamma=gamma, times=words(times - begin),
+        shares=words(shares),
+        relaxation=", ".join(f"{{amplitude = {amplitude}, time_s = {tau}}}" for amplitude, tau in terms)))
     finished = run_palpate("simulate", folder / "truth.toml", "--out", folder / "truth", "--quiet")
     assert finished.returncode == 0, finished.stderr
     columns = numpy.arange(-79, 80) * 0.0629

@@ -70,6 +70,63 @@ def test_tissue_comes_back_with_intervals(fitted, tmp_path):
     assert finished.returncode == 0, finished.stderr
 
 
+ALL_LAWS = 'laws = ["veronda-westmann", "neo-hookean-reduced", "reduced-polynomial"]\n'
+
+
+def models_of(out):
+    return {one["name"]: one for one in json.loads((out / "result.json").read_text())["models"]}
+
+
+def test_the_law_of_the_tissue_comes_first_and_is_what_it_is_alone(sucked, fitted, tmp_path):
+    settings = tmp_path / "aspiration.toml"
+    settings.write_text(SETTINGS + ALL_LAWS + "relaxation_terms = [1, 2]\n")
+    out = tmp_path / "fit"
+    finished = fit(sucked, out, settings=settings)
+    assert finished.returncode == 0, finished.stderr
+    result, alone = (json.loads((one / "result.json").read_text()) for one in (out, fitted))
+    assert result["film"]["model"] == "veronda-westmann, 1 relaxation term" and result["search"]["mesh_checked"]
+    for one, other in zip(result["parameters"], alone["parameters"]):
+        assert one["path"] == other["path"]
+        sd = math.hypot(other["sd_on_scale"], other["mesh_shift_sd"], 0.01)
+        scale = math.log if other["scale"] == "log" else float
+        assert abs(scale(one["value"]) - scale(other["value"])) < 0.15 * sd, one["path"]
+        if one["is_nuisance"]:
+            continue
+        assert one["verdict"] == other["verdict"]
+        widths = [tissue["interval_95"][1] / tissue["interval_95"][0] for tissue in (one, other)]
+        assert math.log(widths[0]) == pytest.approx(math.log(widths[1]), rel=0.05), one["path"]
+    models = models_of(out)
+    assert len(models) == 6
+    first = models["veronda-westmann, 1 relaxation term"]
+    assert first["search"] == "to its end" and first["converged"] and first["distrust"] == ""
+    assert first["log_evidence"] == pytest.approx(alone["models"][0]["log_evidence"], abs=0.3)
+    # a second term that is not there changes little
+    assert models["veronda-westmann, 2 relaxation terms"]["log_evidence"] == pytest.approx(first["log_evidence"], abs=4)
+    # a law that does not stiffen is given up, and is not tried with more terms
+    assert models["neo-hookean-reduced, 1 relaxation term"]["log_evidence"] < first["log_evidence"] - 100
+    assert "far behind" in models["neo-hookean-reduced, 1 relaxation term"]["search"]
+    assert "log_evidence" not in models["neo-hookean-reduced, 2 relaxation terms"]
+    assert models["reduced-polynomial, 1 relaxation term"]["log_evidence"] < first["log_evidence"] - 3
+    assert sum(one.get("weight", 0) for one in models.values()) == pytest.approx(1)
+    assert all(name in finished.stdout and name in (out / "report.html").read_text() for name in models)
+
+
+def test_two_relaxation_terms_are_found_where_there_are_two(tmp_path):
+    folder = sucked_profiles.make(tmp_path, 0.15, terms=((1.0, 0.25), (0.8, 5)))
+    settings = tmp_path / "aspiration.toml"
+    settings.write_text(SETTINGS + "relaxation_terms = [2, 1]\n")
+    finished = fit(folder, tmp_path / "fit", settings=settings)
+    assert finished.returncode == 0, finished.stderr
+    result = json.loads((tmp_path / "fit/result.json").read_text())
+    assert result["film"]["model"] == "veronda-westmann, 2 relaxation terms"
+    one, two = (models_of(tmp_path / "fit")[name] for name in ("veronda-westmann, 1 relaxation term", result["film"]["model"]))
+    assert two["log_evidence"] > one["log_evidence"] + 20 and two["search"] == "to its end"
+    found = {one["number"]: one for one in result["parameters"]}
+    for name, true in (("C", 1.0), ("tau", 0.25), ("C of term 2", 0.8), ("tau of term 2", 5)):
+        low, high = found[name]["interval_95"]
+        assert low < true < high < 2.5 * low, name
+
+
 def test_halves_are_told_on_the_coarse_other_ones_as_well(fitted, tmp_path):
     """`identify` halves cells with the steps of the fit, and steps with its cells; here each with the other doubled."""
     finished = run_palpate("identify", fitted / "experiment.toml", "--out", tmp_path / "other", "--quiet")
@@ -130,6 +187,17 @@ def test_a_plan_needs_no_film_and_tells_what_to_expect(tmp_path):
     assert 0.078 < mu["interval_95"][1] / mu["interval_95"][0] - 1 < 0.25
 
 
+def test_a_plan_of_tissue_that_does_not_stiffen_supposes_what_is_told(tmp_path):
+    supposed = SETTINGS + 'laws = ["neo-hookean-reduced"]\n[supposed]\nmu_kpa = 1.5\ngamma = 10\namplitude = 0.4\ntime_s = 3\n'
+    (tmp_path / "plan.toml").write_text(supposed)
+    (tmp_path / "pressure.csv").write_text("time_s,suction_mbar\n0,0\n0.2,0\n3.7,60\n6.7,60\n9.7,0\n12,0\n")
+    finished = run_palpate("aspirate", "plan", "--pressure", tmp_path / "pressure.csv", "--config", tmp_path / "plan.toml",
+                           "--out", tmp_path / "out", "--quiet")
+    assert finished.returncode == 0, finished.stderr
+    mu = json.loads((tmp_path / "out/result.json").read_text())["parameters"][0]
+    assert mu["path"].endswith("mu_kpa") and mu["value"] == pytest.approx(1.5, rel=1e-3)
+
+
 def test_the_outer_side_slides_is_held_or_is_free(tmp_path):
     (tmp_path / "pressure.csv").write_text("time_s,suction_mbar\n0,0\n0.2,0\n3.7,60\n6.7,60\n9.7,0\n12,0\n")
     sections = {}
@@ -171,6 +239,8 @@ def changed(path, old, new):
     ("steps = 12", 'laws = ["rubber"]', 2, "laws"),
     ("steps = 12", "step = 12", 2, "step"),
     ("steps = 12", "relaxation_terms = [4]", 2, "relaxation_terms"),
+    ("steps = 12", "relaxation_terms = [1, 0, 1]", 2, "1 stands there twice"),
+    ("steps = 12", 'laws = ["veronda-westmann", "veronda-westmann"]', 2, "a law stands there twice"),
     ("edge_radius_mm = 0.2\n", "", 2, "edge_radius_mm"),
     ("delay_s = {value = 0.0, sd = 0.02}", 'delay_s = "unknown"', 2, "delay_s"),
     ("steps = 12", "friction = -1", 2, "friction"),

@@ -154,15 +154,75 @@ std::string residual_picture(const AspirationFit& fit) {
         "nothing was seen. What is patterned here is what the model does not explain.");
 }
 
+const char* search_words(const TriedModel& one) {
+    switch (one.progress) {
+        case ModelProgress::finished:
+            return "to its end";
+        case ModelProgress::compared:
+            return one.found && !one.found->misfit.empty()
+                       ? "on coarse cells; it is no model of this film"
+                       : "on coarse cells; another model comes first";
+        case ModelProgress::far_behind:
+            return "given up near the optimum: far behind";
+        case ModelProgress::not_fitted:
+            return "none: with fewer terms this law is far behind";
+    }
+    return "";
+}
+
+ResultTree models_tree(const AspirationFit& fit) {
+    ResultTree list{.name = "models",
+                    .title = fit.models.size() > 1 ? "Laws that were tried" : "",
+                    .shape = ResultTree::Shape::list};
+    const auto is_known = [](const TriedModel& one) {
+        return one.found && !one.found->identified.blocks.empty();
+    };
+    double total = 0, highest = fit.best().found->identified.log_evidence;
+    for (const TriedModel& one : fit.models)
+        if (is_known(one)) highest = std::max(highest, one.found->identified.log_evidence);
+    for (const TriedModel& one : fit.models)
+        if (is_known(one)) total += std::exp(one.found->identified.log_evidence - highest);
+    for (const TriedModel& one : fit.models) {
+        ResultTree part{.name = one.name};
+        part.add(Figure{.name = "name", .value = one.name, .title = "Model"});
+        if (is_known(one)) {
+            const double evidence = one.found->identified.log_evidence;
+            part.add(Figure{
+                .name = "log_evidence", .value = evidence, .title = "ln evidence", .decimals = 1});
+            part.add(Figure{.name = "weight",
+                            .value = std::exp(evidence - highest) / total,
+                            .title = "Weight",
+                            .decimals = 3});
+            part.add(Figure{.name = "rms_mm",
+                            .value = one.found->identified.blocks.front().rms,
+                            .unit = "mm",
+                            .title = "Left unexplained (rms)",
+                            .decimals = 4});
+        }
+        part.add(Figure{.name = "search", .value = search_words(one), .title = "Search"});
+        if (one.found) part.add("misfit", one.found->misfit);
+        if (one.progress == ModelProgress::finished) {
+            part.add(
+                Figure{.name = "converged", .value = one.found->converged(), .title = "Converged"});
+            part.add("distrust", one.found->distrust());
+        }
+        list.add(std::move(part));
+    }
+    return list;
+}
+
 }  // namespace
 
 const TriedModel& AspirationFit::best() const {
-    const auto is_trusted = [](const TriedModel& one) { return one.found->distrust().empty(); };
+    const auto is_trusted = [](const TriedModel& one) {
+        return one.progress == ModelProgress::finished && one.found->distrust().empty();
+    };
     const bool is_any_trusted = std::any_of(models.begin(), models.end(), is_trusted);
     std::vector<ModelCandidate> candidates;
     std::vector<const TriedModel*> tried;
     for (const TriedModel& one : models) {
-        if (is_any_trusted && !is_trusted(one)) continue;
+        if (one.progress != ModelProgress::finished || (is_any_trusted && !is_trusted(one)))
+            continue;
         candidates.push_back({one.found->identified.log_evidence, one.num_parameter()});
         tried.push_back(&one);
     }
@@ -218,35 +278,17 @@ ResultTree fit_tree(const AspirationFit& fit) {
     seen.add("warnings", fit.warnings());
     seen.add("settings", fit.settings.text);
     tree.add(std::move(seen));
-    ResultTree models{.name = "models",
-                      .title = fit.models.size() > 1 ? "Laws that were tried" : "",
-                      .shape = ResultTree::Shape::list};
-    double total = 0;
-    const double best = fit.best().found->identified.log_evidence;
-    for (const TriedModel& one : fit.models)
-        total += std::exp(one.found->identified.log_evidence - best);
-    for (const TriedModel& one : fit.models) {
-        ResultTree part{.name = one.name};
-        const double evidence = one.found->identified.log_evidence;
-        part.add(Figure{.name = "name", .value = one.name, .title = "Model"});
-        part.add(Figure{.name = "log_evidence", .value = evidence, .title = "ln evidence"});
-        part.add(Figure{
-            .name = "weight", .value = std::exp(evidence - best) / total, .title = "Weight"});
-        part.add(Figure{.name = "rms_mm",
-                        .value = one.found->identified.blocks.front().rms,
-                        .unit = "mm",
-                        .title = "Left unexplained (rms)"});
-        part.add(
-            Figure{.name = "converged", .value = one.found->converged(), .title = "Converged"});
-        part.add("distrust", one.found->distrust());
-        models.add(std::move(part));
-    }
-    tree.add(std::move(models));
+    tree.add(models_tree(fit));
     return tree;
 }
 
 std::string fit_text(const AspirationFit& fit) {
     std::string text = harmless(fit.best().name) + "\n" + identified_text(*fit.best().found);
+    if (fit.models.size() > 1)
+        text +=
+            '\n' +
+            table_of(models_tree(fit), {"name", "log_evidence", "weight", "search"}, "-").text() +
+            '\n';
     for (const std::string& warning : fit.warnings())
         text += "Warning: " + harmless(warning) + ".\n";
     return text;

@@ -12,12 +12,23 @@
 
 namespace palpate {
 
+/// How far a model's search went.
+enum class ModelProgress {
+    finished,    ///< to its end
+    compared,    ///< to where evidence told that another model comes first
+    far_behind,  ///< to near the optimum, which told the same
+    not_fitted   ///< nowhere: with fewer relaxation terms its law is far behind
+};
+
 /// A law with a number of relaxation terms, and what became of it.
 struct TriedModel {
     std::string name, experiment_toml;
     std::shared_ptr<const Experiment> experiment;
-    std::shared_ptr<IdentifiedExperiment> found;  ///< of `experiment`
+    /// Of `experiment`; null where it is not fitted. Numbers are those of coarse cells, corrected
+    /// to say at one place what the usual ones say, where it is not finished.
+    std::shared_ptr<IdentifiedExperiment> found;
     std::vector<std::string> warnings = {};
+    ModelProgress progress = ModelProgress::finished;
 
     Index num_parameter() const { return Index(experiment->parameters().size()); }
 };
@@ -32,8 +43,9 @@ struct AspirationFit {
     /// Of what was read and of the best model.
     std::vector<std::string> warnings() const;
 
-    /// Of the highest evidence, among those that nothing speaks against if there are any; of those
-    /// that are less than a bare mention behind it the one with the fewest numbers.
+    /// Of the highest evidence, among those whose search went to the end and that nothing speaks
+    /// against if there are any; of those that are less than a bare mention behind it the one with
+    /// the fewest numbers.
     const TriedModel& best() const;
 };
 

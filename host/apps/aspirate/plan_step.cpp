@@ -11,6 +11,7 @@
 #include "host/apps/aspirate/model/aspiration_model.hpp"
 #include "host/apps/aspirate/tissue_experiment.hpp"
 #include "host/apps/aspirate/tissue_fit.hpp"
+#include "host/apps/aspirate/tissue_models.hpp"
 #include "host/apps/compute_options.hpp"
 #include "host/apps/identify/experiment_problem.hpp"
 #include "host/apps/identify/identified_tree.hpp"

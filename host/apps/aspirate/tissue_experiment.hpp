@@ -12,7 +12,9 @@
 namespace palpate {
 
 constexpr const char* points_file = "points.csv";  ///< that an experiment's data are in
-constexpr double supposed_friction = 0.3;          ///< where it is unknown
+constexpr double young_over_mu =
+    6;  ///< small strain: the shear modulus is 2 mu, E three times that
+constexpr double supposed_friction = 0.3;  ///< where it is unknown
 
 /// What is sucked, how, and what its tissue is taken for at first.
 struct SuckedBody {

@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <filesystem>
-#include <vector>
 
 #include "host/apps/application.hpp"
 #include "host/apps/aspirate/film_outlines.hpp"
 #include "host/apps/aspirate/fit_input.hpp"
-#include "host/estimate/parameter.hpp"
 
 namespace palpate {
 
@@ -18,10 +15,6 @@ constexpr const char* fit_result_file = "result.json";
 /// Of the option `pressure` or of the settings. Throws Error(invalid_argument) if both or neither
 /// have it, and what `read_suction` throws.
 Suction suction_from(const OptionValues& values, const AspirationSettings& settings);
-
-/// What no residual shows of the tissue's numbers, an sd on their logarithms [num_parameter], 0 for
-/// others: outlines near the wall, the guess of the rest, contact at the rim.
-Eigen::VectorXd model_sds(const std::vector<Parameter>& parameters);
 
 /// Fits every law with every number of relaxation terms that the settings name and writes the
 /// files of the best into a folder.

@@ -7,10 +7,10 @@
 #include <map>
 #include <variant>
 
+#include "host/apps/aspirate/tissue_experiment.hpp"
+
 namespace palpate {
 namespace {
-
-constexpr double young_over_mu = 6;  // the shear modulus is 2 mu, E three times that
 
 /// How a number of the tissue is told.
 struct Told {

@@ -173,8 +173,13 @@ std::vector<std::string> read_laws(const SettingsTable& table) {
     const auto is_known = [&](const std::string& name) {
         return std::find(known.begin(), known.end(), name) != known.end();
     };
+    const auto is_twice = [&](const std::string& name) {
+        return std::count(names->begin(), names->end(), name) > 1;
+    };
     if (!names || names->empty() || !std::all_of(names->begin(), names->end(), is_known))
         table.refuse("laws", fmt::format("allowed: a list of some of {}", fmt::join(known, ", ")));
+    if (std::any_of(names->begin(), names->end(), is_twice))
+        table.refuse("laws", "a law stands there twice");
     return *names;
 }
 
@@ -185,6 +190,8 @@ std::vector<int> read_terms(const SettingsTable& table) {
     for (const double number : *numbers) {
         if (!(number >= 0 && number <= most_terms) || number != std::round(number))
             table.refuse("relaxation_terms", "allowed: a list of some of 0, 1, 2, 3");
+        if (std::find(terms.begin(), terms.end(), int(number)) != terms.end())
+            table.refuse("relaxation_terms", fmt::format("{} stands there twice", number));
         terms.push_back(int(number));
     }
     return terms;
