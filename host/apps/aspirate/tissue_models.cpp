@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/apps/aspirate/tissue_candidate.hpp"
 #include "host/apps/aspirate/tissue_misfit.hpp"
-#include "host/apps/aspirate/tissue_search.hpp"
 #include "host/apps/compute_options.hpp"
 #include "host/apps/identify/mesh_check.hpp"
 #include "host/estimate/model_choice.hpp"
@@ -30,10 +30,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string name_of_model(const std::string& law, int num_terms) {
-    return fmt::format("{}, {} relaxation term{}", law, num_terms, num_terms == 1 ? "" : "s");
-}
 
 /// Of each number of the tissue: what outlines, the guess of the rest and contact at the rim leave
 /// that no residual shows. Of films, those of another solver too (docs/aspiration.md).
@@ -48,31 +44,6 @@ constexpr double most_behind_near = 100, most_behind = 30;
 /// laws, and of one law with more terms and with fewer.
 constexpr double apart_of_laws = 5, apart_of_terms = 0.5;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-/// One law with one number of relaxation terms.
-struct Candidate {
-    std::string law;
-    int num_terms = 0;
-    TriedModel tried = {};
-    std::unique_ptr<TissueSearch> search = nullptr;  ///< null where it has failed
-    /// ln, of the first of each law; infinite where it cannot be told.
-    double evidence_near = infinite, evidence_compared = infinite;
-    bool can_tell = false;  ///< whether its evidence can be compared
-    bool is_found = false;  ///< whether the search is at its end already
-    std::exception_ptr failure = nullptr;
-    std::string why_failed = "";
-
-    /// Infinite where the search cannot tell yet: it may be the best.
-    double log_evidence() const {
-        const Fit& fit = tried.found->fit;
-        const bool is_told = can_tell && fit.prediction && fit.ending != Ending::too_many_steps &&
-                             std::isfinite(tried.found->identified.log_evidence);
-        return is_told ? tried.found->identified.log_evidence : infinite;
-    }
-    bool is_compared() const { return search && tried.found; }
-};
-
 /// Fits every model as far as it takes to tell which is the best.
 class ModelFits {
 public:
@@ -86,12 +57,12 @@ private:
     TissueModel model_of(const std::string& law, int num_terms) const;
     std::optional<std::size_t> simpler_than(std::size_t k) const;
     bool is_first_of_law(std::size_t k) const;
-    bool is_behind(const std::string& law, double Candidate::*evidence, double most) const;
+    bool is_behind(const std::string& law, double TissueCandidate::*evidence, double most) const;
     template <typename Work>
-    void attempt(Candidate& one, Work&& work);
-    void take(Candidate& one);
+    void attempt(TissueCandidate& one, Work&& work);
+    void take(TissueCandidate& one);
     void approach(std::size_t k);
-    void compare_first(Candidate& one);
+    void compare_first(TissueCandidate& one);
     void compare(std::size_t k);
     void find_leader();
     template <typename IsDone>
@@ -100,7 +71,7 @@ private:
     void compare_dropped();
     std::vector<std::size_t> worth_finding() const;
     void find_best();
-    void judge(Candidate& one);
+    void judge(TissueCandidate& one);
     void rethrow_failure() const;
 
     std::function<void(SimulationSettings&)> configure_;
@@ -109,7 +80,7 @@ private:
     SharedProgress shared_;
     AspirationFit all_;
     double travel_mm_;
-    std::vector<Candidate> candidates_;
+    std::vector<TissueCandidate> candidates_;
     std::vector<std::size_t> order_;  ///< of `candidates_`, the fewest relaxation terms first
 };
 
@@ -125,7 +96,7 @@ ModelFits::ModelFits(const AspirationSettings& settings, const AspirationFitInpu
       travel_mm_(*std::max_element(input.apex.travel_mm.begin(), input.apex.travel_mm.end())) {
     for (const std::string& law : settings.laws)
         for (const int num_terms : settings.relaxation_terms) {
-            Candidate one{law, num_terms};
+            TissueCandidate one{law, num_terms};
             one.tried.name = name_of_model(law, num_terms);
             one.search = std::make_unique<TissueSearch>(model_of(law, num_terms), shared_.sink());
             candidates_.push_back(std::move(one));
@@ -153,10 +124,10 @@ TissueModel ModelFits::model_of(const std::string& law, int num_terms) const {
 
 /// The one of its law with the most relaxation terms that are fewer, one at least.
 std::optional<std::size_t> ModelFits::simpler_than(std::size_t k) const {
-    const Candidate& one = candidates_[k];
+    const TissueCandidate& one = candidates_[k];
     std::optional<std::size_t> simpler;
     for (std::size_t n = 0; n < candidates_.size(); ++n) {
-        const Candidate& other = candidates_[n];
+        const TissueCandidate& other = candidates_[n];
         if (other.law == one.law && other.num_terms >= 1 && other.num_terms < one.num_terms &&
             (!simpler || other.num_terms > candidates_[*simpler].num_terms))
             simpler = n;
@@ -171,8 +142,9 @@ bool ModelFits::is_first_of_law(std::size_t k) const {
 }
 
 /// By the first of each law, if it can be solved.
-bool ModelFits::is_behind(const std::string& law, double Candidate::*evidence, double most) const {
-    double own = infinite, highest = -infinite;
+bool ModelFits::is_behind(const std::string& law, double TissueCandidate::*evidence,
+                          double most) const {
+    double own = infinite_evidence, highest = -infinite_evidence;
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
         if (!is_first_of_law(k) || !candidates_[k].search) continue;
         if (candidates_[k].law == law) own = candidates_[k].*evidence;
@@ -183,7 +155,7 @@ bool ModelFits::is_behind(const std::string& law, double Candidate::*evidence, d
 }
 
 /// What the search knows.
-void ModelFits::take(Candidate& one) {
+void ModelFits::take(TissueCandidate& one) {
     SearchedTissue searched = one.search->found();
     TriedModel& tried = one.tried;
     tried.experiment_toml = std::move(searched.experiment_toml);
@@ -199,7 +171,7 @@ void ModelFits::take(Candidate& one) {
 
 /// One model that cannot be solved is no reason to lose the others.
 template <typename Work>
-void ModelFits::attempt(Candidate& one, Work&& work) {
+void ModelFits::attempt(TissueCandidate& one, Work&& work) {
     if (!one.search) return;
     // its matrices are small; threads of two fits would wait for each other
     const SerialBlas serial;
@@ -218,7 +190,7 @@ void ModelFits::attempt(Candidate& one, Work&& work) {
 /// looked for that has one term, as searches for more of them end in worse optima without it; but
 /// not where there is nothing to compare.
 void ModelFits::approach(std::size_t k) {
-    Candidate& one = candidates_[k];
+    TissueCandidate& one = candidates_[k];
     const std::optional<std::size_t> simpler = simpler_than(k);
     if (simpler || one.num_terms < 2 || candidates_.size() == 1) {
         one.search->approach(simpler ? candidates_[*simpler].search.get() : nullptr);
@@ -231,8 +203,8 @@ void ModelFits::approach(std::size_t k) {
 }
 
 /// From near the optimum to where evidence can be compared.
-void ModelFits::compare_first(Candidate& one) {
-    if (is_behind(one.law, &Candidate::evidence_near, most_behind_near)) {
+void ModelFits::compare_first(TissueCandidate& one) {
+    if (is_behind(one.law, &TissueCandidate::evidence_near, most_behind_near)) {
         one.tried.progress = ModelProgress::far_behind;
         return;
     }
@@ -246,9 +218,9 @@ void ModelFits::compare_first(Candidate& one) {
 
 /// To where evidence can be compared, from where the simpler one came to.
 void ModelFits::compare(std::size_t k) {
-    Candidate& one = candidates_[k];
-    if (is_behind(one.law, &Candidate::evidence_near, most_behind_near) ||
-        is_behind(one.law, &Candidate::evidence_compared, most_behind)) {
+    TissueCandidate& one = candidates_[k];
+    if (is_behind(one.law, &TissueCandidate::evidence_near, most_behind_near) ||
+        is_behind(one.law, &TissueCandidate::evidence_compared, most_behind)) {
         one.tried.progress = ModelProgress::not_fitted;
         return;
     }
@@ -263,8 +235,8 @@ void ModelFits::compare(std::size_t k) {
 /// The best of the first ones is mostly what is preferred in the end, so that it goes on while
 /// others are compared. They may begin where it was: `find` leaves that alone.
 void ModelFits::find_leader() {
-    Candidate* leader = nullptr;
-    for (Candidate& one : candidates_)
+    TissueCandidate* leader = nullptr;
+    for (TissueCandidate& one : candidates_)
         if (std::isfinite(one.evidence_compared) && one.tried.found->misfit.empty() &&
             (!leader || one.evidence_compared > leader->evidence_compared))
             leader = &one;
@@ -299,7 +271,7 @@ void ModelFits::compare_all() {
     std::vector<std::atomic<bool>> is_done(candidates_.size());
     run_tasks(2 * num_first + 1 + others.size(), jobs_, shared_, [&](std::size_t n) {
         if (n < num_first) {
-            Candidate& one = candidates_[firsts[n]];
+            TissueCandidate& one = candidates_[firsts[n]];
             attempt(one, [&](TissueSearch& search) {
                 approach(firsts[n]);
                 one.can_tell = true;
@@ -332,7 +304,7 @@ void ModelFits::compare_all() {
 /// Laws that were far behind one that could not be solved in the end.
 void ModelFits::compare_dropped() {
     for (const std::size_t k : order_) {
-        Candidate& one = candidates_[k];
+        TissueCandidate& one = candidates_[k];
         if (!one.search) continue;
         if (one.tried.progress == ModelProgress::far_behind)
             compare_first(one);
@@ -344,30 +316,31 @@ void ModelFits::compare_dropped() {
 /// Those that may be preferred (`preferred_model`) once they are at their ends. What nobody will
 /// believe is none of them if there is anything else.
 std::vector<std::size_t> ModelFits::worth_finding() const {
-    const auto is_finished = [](const Candidate& one) {
+    const auto is_finished = [](const TissueCandidate& one) {
         return one.is_compared() && one.tried.progress == ModelProgress::finished;
     };
     const bool is_any_finished = std::any_of(candidates_.begin(), candidates_.end(), is_finished);
-    const auto has_a_chance = [&](const Candidate& one) {
+    const auto has_a_chance = [&](const TissueCandidate& one) {
         if (!one.is_compared()) return false;
         if (is_finished(one)) return one.tried.found->distrust().empty();
         return one.tried.progress == ModelProgress::compared &&
                (!is_any_finished || one.tried.found->misfit.empty());
     };
-    double highest = -infinite;
-    for (const Candidate& one : candidates_)
+    double highest = -infinite_evidence;
+    for (const TissueCandidate& one : candidates_)
         if (has_a_chance(one) && std::isfinite(one.log_evidence()))
             highest = std::max(highest, one.log_evidence());
-    const auto is_outdone = [&](const Candidate& one) {
-        return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
-            return other.law == one.law && other.num_terms < one.num_terms && has_a_chance(other) &&
-                   std::isfinite(other.log_evidence()) &&
-                   other.log_evidence() > one.log_evidence() - bare_mention + apart_of_terms;
-        });
+    const auto is_outdone = [&](const TissueCandidate& one) {
+        return std::any_of(
+            candidates_.begin(), candidates_.end(), [&](const TissueCandidate& other) {
+                return other.law == one.law && other.num_terms < one.num_terms &&
+                       has_a_chance(other) && std::isfinite(other.log_evidence()) &&
+                       other.log_evidence() > one.log_evidence() - bare_mention + apart_of_terms;
+            });
     };
     std::vector<std::size_t> worth;
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
-        const Candidate& one = candidates_[k];
+        const TissueCandidate& one = candidates_[k];
         if (has_a_chance(one) && !is_finished(one) && !is_outdone(one) &&
             one.log_evidence() > highest - apart_of_laws)
             worth.push_back(k);
@@ -377,14 +350,14 @@ std::vector<std::size_t> ModelFits::worth_finding() const {
 
 void ModelFits::find_best() {
     compare_all();
-    for (Candidate& one : candidates_)
+    for (TissueCandidate& one : candidates_)
         if (one.failure) one.search = nullptr;  // the leader, where others began until now
     for (bool has_failed = true; has_failed;) {
         compare_dropped();
         has_failed = false;
         for (auto worth = worth_finding(); !worth.empty() && !has_failed; worth = worth_finding()) {
             run_tasks(worth.size(), jobs_, shared_, [&](std::size_t n) {
-                Candidate& one = candidates_[worth[n]];
+                TissueCandidate& one = candidates_[worth[n]];
                 attempt(one, [&](TissueSearch& search) {
                     if (!one.is_found) search.find(worth.size() == 1);
                     search.weigh();
@@ -398,7 +371,7 @@ void ModelFits::find_best() {
 }
 
 /// Intervals, mesh check and warnings.
-void ModelFits::judge(Candidate& one) {
+void ModelFits::judge(TissueCandidate& one) {
     const SerialBlas serial;
     one.search->judge();
     take(one);
@@ -414,14 +387,14 @@ void ModelFits::judge(Candidate& one) {
 
 /// Where none of the models that have a chance can be solved, the first of their errors tells why.
 void ModelFits::rethrow_failure() const {
-    for (const Candidate& one : candidates_)
+    for (const TissueCandidate& one : candidates_)
         if (one.failure) std::rethrow_exception(one.failure);
 }
 
 AspirationFit ModelFits::run() {
     const auto begin = std::chrono::steady_clock::now();
     if (candidates_.size() == 1) {
-        Candidate& one = candidates_.front();
+        TissueCandidate& one = candidates_.front();
         const SerialBlas serial;
         approach(0);
         one.search->find(true);
@@ -429,8 +402,8 @@ AspirationFit ModelFits::run() {
     } else {
         find_best();
     }
-    std::vector<Candidate*> left;
-    for (Candidate& one : candidates_) {
+    std::vector<TissueCandidate*> left;
+    for (TissueCandidate& one : candidates_) {
         if (one.search) {
             left.push_back(&one);
             all_.models.push_back(one.tried);
