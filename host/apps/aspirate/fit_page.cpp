@@ -165,7 +165,7 @@ const char* search_words(const TriedModel& one) {
         case ModelProgress::far_behind:
             return "given up near the optimum: far behind";
         case ModelProgress::not_fitted:
-            return "none: with fewer terms this law is far behind";
+            return "none: this law is far behind";
     }
     return "";
 }

@@ -17,7 +17,8 @@ enum class ModelProgress {
     finished,    ///< to its end
     compared,    ///< to where evidence told that another model comes first
     far_behind,  ///< to near the optimum, which told the same
-    not_fitted   ///< nowhere: with fewer relaxation terms its law is far behind
+    not_fitted  ///< nowhere: with the number of relaxation terms that is tried first its law is far
+                ///< behind
 };
 
 /// A law with a number of relaxation terms, and what became of it.

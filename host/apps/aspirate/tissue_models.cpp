@@ -35,10 +35,10 @@ namespace fs = std::filesystem;
 /// that no residual shows. Of films, those of another solver too (docs/aspiration.md).
 constexpr double model_sd_ln = 0.02, model_sd_ln_of_stiffening = 0.04;
 
-/// Of ln evidence: a law that is so far behind another one, each with the fewest relaxation terms
-/// that are asked for, is not tried with more, near the optima and where evidence can be compared.
-/// Of the tissues of docs/aspiration_studies.md none had a law that came first in the end farther
-/// behind than by 3 with the fewest terms.
+/// Of ln evidence: a law that is so far behind another one, each with the first number of
+/// relaxation terms that is tried, is not tried with others, near the optima and where evidence can
+/// be compared. Of the tissues of docs/aspiration_studies.md none had its law farther behind than
+/// by 3 with one term; with none, which tissue that relaxes is far from, one was by 56.
 constexpr double most_behind_near = 100, most_behind = 30;
 /// Of ln evidence by coarse cells: differences that the ends of the searches may turn round, of two
 /// laws, and of one law with more terms and with fewer.
@@ -81,7 +81,8 @@ private:
     AspirationFit all_;
     double travel_mm_;
     std::vector<TissueCandidate> candidates_;
-    std::vector<std::size_t> order_;  ///< of `candidates_`, the fewest relaxation terms first
+    /// Of `candidates_`, the fewest relaxation terms first, but none of them last.
+    std::vector<std::size_t> order_;
 };
 
 ModelFits::ModelFits(const AspirationSettings& settings, const AspirationFitInput& input,
@@ -102,9 +103,12 @@ ModelFits::ModelFits(const AspirationSettings& settings, const AspirationFitInpu
             candidates_.push_back(std::move(one));
         }
     for (std::size_t k = 0; k < candidates_.size(); ++k) order_.push_back(k);
-    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
-        return candidates_[a].num_terms < candidates_[b].num_terms;
-    });
+    const auto rank = [&](std::size_t k) {
+        const int num_terms = candidates_[k].num_terms;
+        return num_terms > 0 ? num_terms : std::numeric_limits<int>::max();
+    };
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
 }
 
 TissueModel ModelFits::model_of(const std::string& law, int num_terms) const {
