@@ -37,8 +37,8 @@ constexpr double model_sd_ln = 0.02, model_sd_ln_of_stiffening = 0.04;
 
 /// Of ln evidence: a law that is so far behind another one, each with the first number of
 /// relaxation terms that is tried, is not tried with others, near the optima and where evidence can
-/// be compared. Of the tissues of docs/aspiration_studies.md none had its law farther behind than
-/// by 3 with one term; with none, which tissue that relaxes is far from, one was by 56.
+/// be compared. Of 100 tissues (docs/aspiration_studies.md) none had its law farther behind than by
+/// 1.3 with one term; with none, which tissue that relaxes is far from, one was by 56.
 constexpr double most_behind_near = 100, most_behind = 30;
 /// Of ln evidence by coarse cells: differences that the ends of the searches may turn round, of two
 /// laws, and of one law with more terms and with fewer.
