@@ -132,20 +132,26 @@ def tube_of(truth, stiffness):
     return Tube(HOLE_MM / 2, truth["edge_radius_mm"], OUTER_MM / 2, stiffness)
 
 
+def law_of(truth, kappa):
+    more = tuple((one["amplitude"], one["time_s"]) for one in truth.get("more_terms", []))
+    return Law(truth["mu_kpa"], truth["gamma"], kappa, truth["amplitude"], truth["time_s"], more, truth["law"])
+
+
 def peak_for(truth):
     """The peak of suction (kPa) that lifts the apex by about what is wanted: elastic states on a coarse mesh, and the
-    elastic pressure p of a viscous one P by p + amplitude int exp(-(t - s)/time) dp/ds ds = P."""
+    elastic pressure p of a viscous one P by p + sum of amplitude int exp(-(t - s)/time) dp/ds ds = P."""
     times = np.arange(0, truth["end_s"], 0.01)
     parts = suction_parts(truth["history"], np.array(truth["kinks_s"]), np.array(truth["parts"]), times)
-    elastic, memory, most = 0.0, 0.0, 0.0
-    fade = math.exp(-0.01 / truth["time_s"])
+    amplitude, time = law_of(truth, 1.0).terms()
+    elastic, memory, most = 0.0, np.zeros(len(time)), 0.0
+    fade = np.exp(-0.01 / time)
     for part in parts:
-        new = (part - fade * memory + truth["amplitude"] * elastic) / (1 + truth["amplitude"])
-        memory = fade * memory + truth["amplitude"] * (new - elastic)
+        new = (part - np.sum(fade * memory - amplitude * elastic)) / (1 + amplitude.sum())
+        memory = fade * memory + amplitude * (new - elastic)
         elastic, most = new, max(most, new)
     mu = truth["mu_kpa"]
     body = section_of(truth, 3.0).body(tube_of(truth, 3e4 * mu))
-    law = Law(mu, truth["gamma"], 3000 * mu)
+    law = dataclasses.replace(law_of(truth, 3000 * mu), amplitude=0.0, more_terms=())
     before, state, kpa, rise = None, State(body), 0.0, [(0.0, 0.0)]
     while rise[-1][0] < truth["wanted_travel_mm"]:
         kpa = kpa * 1.25 + 0.1 * mu
@@ -167,7 +173,7 @@ def solved(truth, coarse=1.5, parts=1, stiffer=1.0):
     fine = np.unique(np.concatenate([*fine, ends[-1:]]))
     body = section_of(truth, coarse).body(tube_of(truth, stiffer * (3e4 * truth["mu_kpa"] + 2e4 * peak)))
     kappa = 1000 * max(6 * truth["mu_kpa"], peak)
-    law = Law(truth["mu_kpa"], truth["gamma"], kappa, truth["amplitude"], truth["time_s"])
+    law = law_of(truth, kappa)
     inside = np.einsum("eai->ei", body.nodes[body.cells])[:, 0] / 9 < HOLE_MM / 2 - 0.5
     seen = {"largest_stretch": 1.0, "deepest_mm": 0.0, "largest_volume_change": 0.0}
 
@@ -185,9 +191,10 @@ def solved(truth, coarse=1.5, parts=1, stiffer=1.0):
     return stamps, surfaces[at], seen | {"steps": len(fine) - 1, "cells": len(body.cells)}
 
 
-def nominal_kpa(mu, gamma, stretch):
-    """Uniaxial, incompressible, after an endless time: dW/dl = 2 mu exp(gamma (l^2 + 2/l - 3)) (l - l^-2)."""
-    return 2 * mu * math.exp(min(gamma * (stretch**2 + 2 / stretch - 3), 500)) * (stretch - stretch**-2)
+def nominal_kpa(mu, gamma, stretch, law="veronda-westmann"):
+    """Uniaxial, incompressible, after an endless time: dW/dl = 2 psi'(l^2 + 2/l - 3) (l - l^-2)."""
+    first, _ = Law(mu, gamma, 0.0, name=law).slopes(stretch**2 + 2 / stretch - 3)
+    return 2 * float(first) * (stretch - stretch**-2)
 
 
 # ---- pictures and files
@@ -218,7 +225,8 @@ def make(seed, out, kind="noise 3", side="held", tissue=None):
     apexes = surfaces[:, 0, 1]
     truth |= {"kind": kind, "travel_mm": float(apexes.max() - apexes[0]), "frames": len(stamps), "solver": told,
               "largest_stretch": told.pop("largest_stretch"), "seconds_solving": time.monotonic() - began}
-    truth["stress_at_largest_stretch_kpa"] = nominal_kpa(truth["mu_kpa"], truth["gamma"], truth["largest_stretch"])
+    truth["stress_at_largest_stretch_kpa"] = nominal_kpa(truth["mu_kpa"], truth["gamma"], truth["largest_stretch"],
+                                                         truth["law"])
 
     shutil.rmtree(out / "frames", ignore_errors=True)  # of an earlier, perhaps longer film
     (out / "frames").mkdir(parents=True)

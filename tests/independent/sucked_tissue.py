@@ -7,8 +7,8 @@ Sections through an axis: points are (r, z), the suction is above. Lengths mm, s
 and volumes are those of the full turn. Symmetric tensors are rows (rr, zz, rz, tt), strains with 2 rz in place of rz.
 
 What is solved (F deformation gradient, C = F^T F, I1 = tr C, I3 = det C, J = sqrt(I3), J1 = I1 I3^(-1/3), N normal):
-    W = mu/gamma (exp(gamma (J1 - 3)) - 1) + kappa/2 (J - 1)^2                                                     (1)
-    S(t) = p J C^-1 + Se(t) + h(t),  Se = 2 psi' dJ1/dC,  h(t) = amplitude int exp(-(t - s)/time) dSe/ds ds          (2)
+    W = psi(J1 - 3) + kappa/2 (J - 1)^2,  psi(x) = mu/gamma (exp(gamma x) - 1), or mu x + mu gamma/2 x^2, or mu x    (1)
+    S(t) = p J C^-1 + Se(t) + sum of h(t),  Se = 2 psi' dJ1/dC,  h(t) = amplitude int exp(-(t - s)/time) dSe/ds ds   (2)
     0 = int q (J - 1 - p/kappa) dV  for each q linear in a cell; p is eliminated cell by cell                      (3)
     int S : dE dV = 2 pi P int r (-z' dr + r' dz) ds + int k d n . dx dA                                           (4)
 with P the suction on the deformed surface (r(s), z(s)), s from the axis outward, and d the depth in the rigid tube
@@ -40,12 +40,26 @@ class NoEquilibrium(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Law:
-    """Long-term law (1) and one term of relaxation (2)."""
+    """Long-term law (1) by its name, and terms of relaxation (2): the first, and others (amplitude, time)."""
     mu: float
     gamma: float
     kappa: float
     amplitude: float = 0.0
     time: float = 1.0
+    more_terms: tuple = ()
+    name: str = "veronda-westmann"
+
+    def terms(self):
+        """Amplitudes and times, [terms]."""
+        return np.array([(self.amplitude, self.time), *self.more_terms]).T
+
+    def slopes(self, x):
+        """psi' and psi'' of (1)."""
+        if self.name == "veronda-westmann":
+            first = self.mu * np.exp(np.minimum(self.gamma * x, 200.0))
+            return first, self.gamma * first
+        bend = {"reduced-polynomial": self.mu * self.gamma, "neo-hookean-reduced": 0.0}[self.name]
+        return self.mu + bend * x, np.full_like(x, bend)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -99,14 +113,15 @@ def both_ways(ci):
 def isochoric(law, c, ci, i3, product):
     """Se of (2) and dSe/dE; product is both_ways(ci)."""
     i1, scale = c[..., 0] + c[..., 1] + c[..., 3], i3 ** (-1 / 3)
-    first = law.mu * np.exp(np.minimum(law.gamma * (i1 * scale - 3), 200.0))         # psi'
+    first, second = law.slopes(i1 * scale - 3)
     slope = scale[..., None] * (UNIT - i1[..., None] / 3 * ci)                       # G = dJ1/dC
     # dG/dC = I3^(-1/3) (-(I x C^-1 + C^-1 x I)/3 + I1/9 C^-1 x C^-1 + I1/3 C^-1 (.) C^-1)
     mixed = outer(np.broadcast_to(UNIT, ci.shape), ci)
     bend = scale[..., None, None] * (-(mixed + np.swapaxes(mixed, -1, -2)) / 3
                                      + i1[..., None, None] * (outer(ci, ci) / 9 + product / 3))
-    # dSe/dE = 2 dSe/dC = 4 psi'' G x G + 4 psi' dG/dC with psi'' = gamma psi'
-    return (2 * first[..., None] * slope, 4 * first[..., None, None] * (law.gamma * outer(slope, slope) + bend))
+    # dSe/dE = 2 dSe/dC = 4 psi'' G x G + 4 psi' dG/dC
+    return (2 * first[..., None] * slope,
+            4 * (second[..., None, None] * outer(slope, slope) + first[..., None, None] * bend))
 
 
 def line_shapes(s):
@@ -217,12 +232,13 @@ class Body:
 
 
 class State:
-    """Displacements u [nodes, 2], pressures p [cells, 3], and what relaxation remembers: h and Se at the points."""
+    """Displacements u [nodes, 2], pressures p [cells, 3], and what relaxation remembers at the points: h of each term
+    and Se."""
 
     def __init__(self, body):
         points = body.volume.shape
         self.u, self.p = np.zeros_like(body.nodes), np.zeros((points[0], 3))
-        self.h, self.se = np.zeros((*points, 4)), np.zeros((*points, 4))
+        self.h, self.se = np.zeros((1, *points, 4)), np.zeros((*points, 4))
         self.time, self.kpa = 0.0, 0.0
 
 
@@ -237,13 +253,14 @@ def assemble(body, law, state, u, p, kpa, step):
     ci, i3 = inverse(c)
     product = both_ways(ci)
     se, tangent = isochoric(law, c, ci, i3, product)
-    fade = np.exp(-step / law.time)
-    gain = law.amplitude * (1 - fade) * law.time / step
+    amplitude, time = law.terms()[..., None, None, None]
+    fade = np.exp(-step / time)
+    gain = amplitude * (1 - fade) * time / step
     h = fade * state.h + gain * (se - state.se)
     pressure = np.einsum("eqi,ei->eq", body.linear, p)
     press, through = (pressure * ratio)[..., None, None], ratio[..., None] * ci      # p J; dJ/dE = J C^-1
-    stress = se + h + pressure[..., None] * through
-    tangent = (1 + gain) * tangent + press * (outer(ci, ci) - 2 * product)
+    stress = se + h.sum(axis=0) + pressure[..., None] * through
+    tangent = (1 + gain.sum()) * tangent + press * (outer(ci, ci) - 2 * product)
 
     g, w = body.gradient, body.volume
     b = np.empty((*w.shape, 4, 9, 2))                                                # dE = B du

@@ -28,13 +28,20 @@ def cylinder():
     return Body(grid, held, len(grid) - 1)
 
 
-def test_stress_is_the_slope_of_the_energy():
-    law, random = Law(0.7, 9.0, 1.0), np.random.default_rng(3)
+def energy_of(law, x):
+    """psi of (1)."""
+    return {"veronda-westmann": law.mu / law.gamma * (np.exp(law.gamma * x) - 1),
+            "reduced-polynomial": law.mu * x + law.mu * law.gamma / 2 * x**2, "neo-hookean-reduced": law.mu * x}[law.name]
+
+
+@pytest.mark.parametrize("name", ["veronda-westmann", "reduced-polynomial", "neo-hookean-reduced"])
+def test_stress_is_the_slope_of_the_energy(name):
+    law, random = Law(0.7, 9.0, 1.0, name=name), np.random.default_rng(3)
     c = np.array([1.1, 0.9, 0.0, 1.05]) + 0.05 * random.standard_normal((6, 4))
 
     def energy(c):
         _, i3 = inverse(c)
-        return law.mu / law.gamma * (np.exp(law.gamma * ((c[:, 0] + c[:, 1] + c[:, 3]) * i3 ** (-1 / 3) - 3)) - 1)
+        return energy_of(law, (c[:, 0] + c[:, 1] + c[:, 3]) * i3 ** (-1 / 3) - 3)
     ci, i3 = inverse(c)
     stress, tangent = isochoric(law, c, ci, i3, both_ways(ci))
     for k, share in enumerate([1.0, 1.0, 2.0, 1.0]):  # c_rz stands for two components of C
@@ -51,8 +58,9 @@ def test_tangent_is_the_slope_of_the_forces(tube):
     random = np.random.default_rng(1)
     body = section(3.0).body(Tube(5.0, 0.25, 10.0, 50.0))
     body.tube = tube
-    law, state = Law(0.7, 8.0, 60.0, 0.6, 2.0), State(body)
-    state.h, state.se = 0.2 * random.standard_normal((2, *state.h.shape))
+    law, state = Law(0.7, 8.0, 60.0, 0.6, 2.0, ((0.3, 0.5),)), State(body)
+    state.h = 0.2 * random.standard_normal((2, *state.se.shape))
+    state.se = 0.2 * random.standard_normal(state.se.shape)
     u, direction = np.zeros(2 * len(body.nodes)), np.zeros(2 * len(body.nodes))
     u[body.free] = 0.003 * random.standard_normal(len(body.free))
     u[1::2] += np.where(np.isin(np.arange(1, len(u), 2), body.free), 0.004 * (body.nodes[:, 1] > -0.5), 0)
@@ -71,17 +79,22 @@ def test_tangent_is_the_slope_of_the_forces(tube):
 
 def uniaxial_kpa(law, stretch):
     """Cauchy stress of an incompressible bar: 2 psi' (l^2 - 1/l)."""
-    return 2 * law.mu * math.exp(law.gamma * (stretch**2 + 2 / stretch - 3)) * (stretch**2 - 1 / stretch)
+    x = stretch**2 + 2 / stretch - 3
+    first = {"veronda-westmann": law.mu * math.exp(law.gamma * x), "reduced-polynomial": law.mu * (1 + law.gamma * x),
+             "neo-hookean-reduced": law.mu}[law.name]
+    return 2 * first * (stretch**2 - 1 / stretch)
 
 
-@pytest.mark.parametrize("amplitude", [0.0, 0.7])
-def test_bar_under_following_suction(amplitude):
+@pytest.mark.parametrize("name, terms", [
+    ("veronda-westmann", [(0.0, 2.0)]), ("veronda-westmann", [(0.7, 2.0)]),
+    ("reduced-polynomial", [(0.4, 0.5), (0.7, 4.0)]), ("neo-hookean-reduced", [(0.4, 0.5)])])
+def test_bar_under_following_suction(name, terms):
     """Suction that falls as the stress of a bar relaxes keeps the bar as long as it was at once:
-    P(t) = (1 + amplitude exp(-t/time)) sigma."""
-    law = Law(0.7, 6.0, 1e5, amplitude, 2.0)
+    P(t) = (1 + sum of amplitude exp(-t/time)) sigma."""
+    law = Law(0.7, 6.0, 1e5, *terms[0], tuple(terms[1:]), name)
     wanted = 1.2
     times = np.concatenate([[0, 1e-6], np.linspace(0.5, 6, 12)])
-    kpa = uniaxial_kpa(law, wanted) * (1 + amplitude * np.exp(-times / law.time))
+    kpa = uniaxial_kpa(law, wanted) * (1 + sum(amplitude * np.exp(-times / time) for amplitude, time in terms))
     kpa[0] = 0
     body = cylinder()
     state = before = State(body)
