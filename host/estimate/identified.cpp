@@ -263,7 +263,7 @@ Identified identify(const DataProblem& problem, const Fit& fit, const IdentifyOp
     const Eigen::VectorXd degrees = degrees_of_freedom(parameters, fit);
     const Eigen::MatrixXd known = with_held_known(parameters, all.covariance);
     const Eigen::VectorXd known_sd = known.diagonal().cwiseMax(0.0).cwiseSqrt();
-    ProfileSearch profiles(problem, fit, known, options.gauss_newton, progress);
+    ProfileSearch profiles(problem, fit, known, options.gauss_newton, options.guide, progress);
     const auto intervals = intervals_of(
         parameters, fit, all.covariance.diagonal().cwiseSqrt(), known_sd,
         degrees.unaryExpr([](double of) { return student_reach(of); }), profiles, options);

@@ -10,6 +10,7 @@
 #include "host/estimate/combination.hpp"
 #include "host/estimate/fit.hpp"
 #include "host/estimate/judgement.hpp"
+#include "host/estimate/profile_search.hpp"
 #include "solver/base/log.hpp"
 
 namespace palpate {
@@ -24,7 +25,8 @@ struct IdentifyOptions {
     /// [num_parameter] or empty: what will be added to the intervals, on the transformed scales.
     /// One whose own sd is smaller stays quadratic: how skew it is would not be seen.
     Eigen::VectorXd added_sd = {};
-    int jobs = 1;  ///< ends of profiles that are looked for at the same time
+    ProfileGuide guide = {};  ///< that searches along profiles are led by; empty: none
+    int jobs = 1;             ///< ends of profiles that are looked for at the same time
 };
 
 /// One parameter after a fit.

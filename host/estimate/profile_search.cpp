@@ -16,8 +16,8 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double z_tolerance = 0.06;
 /// Of F, that a search along a profile may leave: it is known and taken off.
-constexpr double left_gain = 0.5;
-constexpr int max_profile_points = 6, most_profile_steps = 6;
+constexpr double left_gain = 1.0;
+constexpr int max_profile_points = 6, most_profile_steps = 6, most_guided_steps = 15;
 constexpr double nearly =
     0.95;  ///< of the rise that excludes: the 95 % interval's, but for a little
 /// A profile is followed at most so far: sd of the prior, or of the Laplace posterior if flat.
@@ -34,12 +34,13 @@ GaussNewtonOptions loosened(GaussNewtonOptions options) {
 
 ProfileSearch::ProfileSearch(const DataProblem& problem, const Fit& fit,
                              const Eigen::MatrixXd& covariance, const GaussNewtonOptions& options,
-                             const ProgressSink& progress)
+                             ProfileGuide make_guide, const ProgressSink& progress)
     : problem_(problem),
       parameters_(problem.parameters()),
       fit_(fit),
       covariance_(covariance),
       options_(loosened(options)),
+      make_guide_(std::move(make_guide)),
       shared_(progress),
       progress_(shared_.sink()),
       range_(range_of(parameters_)),
@@ -81,30 +82,63 @@ double ProfileSearch::rise_at(const Eigen::VectorXd& transformed) {
     return minus_log_posterior(parameters_, *made.prediction, noise) - lowest_;
 }
 
-ProfileSearch::Point ProfileSearch::profile_at(Index k, double t, const Point& nearest) {
-    Eigen::VectorXd start =
-        nearest.transformed + on_ridge(k, t) - on_ridge(k, nearest.transformed[k]);
-    start[k] = t;
+/// Where the guide has its minimum with parameter k held; null if it finds none. Steps with columns
+/// are what costs, and far from the fit a straight line to there needs many.
+std::shared_ptr<const Prediction> ProfileSearch::guided(Index k, const Eigen::VectorXd& start,
+                                                        const Point& nearest) {
+    if (!guide_) return nullptr;
+    GaussNewtonOptions options = options_;
+    options.max_steps = most_guided_steps;
     try {
         NoiseModel noise = *fit_.noise;
         const GaussNewtonMinimum found = minimise_gauss_newton(
-            problem_, noise, {to_values(parameters_, within(start)), nearest.prediction, {k}},
-            options_, progress_);
+            *guide_, noise, {to_values(parameters_, start), nearest.guided, {k}}, options,
+            progress_);
+        return found.ending == Ending::too_many_steps ? nullptr : found.prediction;
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::solve_failed) throw;
+        return nullptr;
+    }
+}
+
+/// From there to the minimum with parameter k held; false without a prediction.
+bool ProfileSearch::minimise(Index k, const Eigen::VectorXd& values, const Point& nearest,
+                             Point& point) {
+    try {
+        NoiseModel noise = *fit_.noise;
+        const GaussNewtonMinimum found = minimise_gauss_newton(
+            problem_, noise, {values, nearest.prediction, {k}}, options_, progress_);
         num_prediction_ += found.num_prediction;
         // Less what the last step would still have gained; at a kink that is a promise alone.
         const double left =
             found.ending == Ending::converged || found.ending == Ending::too_many_steps
                 ? found.predicted_gain
                 : std::min(found.predicted_gain, left_gain);
-        const double rise = std::max(0.0, found.objective - left - lowest_);
-        Point point{std::sqrt(2.0 * rise), found.transformed, found.prediction};
+        point.z = std::sqrt(2.0 * std::max(0.0, found.objective - left - lowest_));
+        const double t = point.transformed[k];
+        point.transformed = found.transformed;
         point.transformed[k] = t;
-        return point;
+        point.prediction = found.prediction;
+        return true;
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
         ++num_prediction_;
-        return {infinite, start, nearest.prediction};
+        return false;
     }
+}
+
+ProfileSearch::Point ProfileSearch::profile_at(Index k, double t, const Point& nearest) {
+    Point point{infinite,
+                nearest.transformed + on_ridge(k, t) - on_ridge(k, nearest.transformed[k]),
+                nearest.prediction, nearest.guided};
+    point.transformed[k] = t;
+    const Eigen::VectorXd straight = within(point.transformed);
+    if (const auto at_guided = guided(k, straight, nearest)) {
+        point.guided = at_guided;
+        if (minimise(k, at_guided->values, nearest, point)) return point;
+    }
+    minimise(k, to_values(parameters_, straight), nearest, point);
+    return point;
 }
 
 double ProfileSearch::farthest(Index k, double direction) const {
@@ -167,6 +201,7 @@ ProfileSearch::Point ProfileSearch::quadratic_end(const WantedInterval& wanted, 
 std::vector<TransformedInterval> ProfileSearch::intervals(const std::vector<WantedInterval>& wanted,
                                                           double tolerance, int jobs) {
     constexpr std::size_t sides = 2;
+    if (make_guide_ && !guide_ && !wanted.empty()) guide_ = make_guide_();
     std::vector<std::array<Point, sides>> ends(wanted.size());
     run_tasks(sides * wanted.size(), jobs, shared_, [&](std::size_t task) {
         const std::size_t n = task / sides;

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -30,11 +31,18 @@ struct WantedInterval {
     double reach;
 };
 
+/// Makes a model of the same data that costs less than the one of a fit and says there what that
+/// one says (`CorrectedProblem`), or null.
+using ProfileGuide = std::function<std::unique_ptr<const DataProblem>()>;
+
 /// Minus the log posterior around a fit, its discrepancies held.
 class ProfileSearch {
 public:
+    ///   make_guide   searches begin where its model leads; it is called when there is one to make.
+    ///                May be empty
     ProfileSearch(const DataProblem& problem, const Fit& fit, const Eigen::MatrixXd& covariance,
-                  const GaussNewtonOptions& options, const ProgressSink& progress);
+                  const GaussNewtonOptions& options, ProfileGuide make_guide,
+                  const ProgressSink& progress);
 
     /// The intervals: quadratic if at both ends, the others searched anew, F has risen by
     /// reach^2 / 2 up to the share `tolerance`; else where it has risen by that. Ends are looked
@@ -56,10 +64,14 @@ private:
         double z = 0;  ///< sqrt(2 rise); infinite without a prediction
         Eigen::VectorXd transformed;
         std::shared_ptr<const Prediction> prediction;
+        std::shared_ptr<const Prediction> guided = nullptr;  ///< of the guide, near there; or null
     };
     Eigen::VectorXd on_ridge(Index k, double t) const;
     Eigen::VectorXd within(Eigen::VectorXd transformed) const;
     double rise_at(const Eigen::VectorXd& transformed);
+    std::shared_ptr<const Prediction> guided(Index k, const Eigen::VectorXd& start,
+                                             const Point& nearest);
+    bool minimise(Index k, const Eigen::VectorXd& values, const Point& nearest, Point& point);
     Point profile_at(Index k, double t, const Point& nearest);
     Point quadratic_end(const WantedInterval& wanted, int side);
     double profile_end(Index k, double reach, double direction, Point first, bool& is_cut);
@@ -73,6 +85,8 @@ private:
     const Fit& fit_;
     const Eigen::MatrixXd& covariance_;
     GaussNewtonOptions options_;
+    ProfileGuide make_guide_;
+    std::unique_ptr<const DataProblem> guide_;
     SharedProgress shared_;
     ProgressSink progress_;  ///< of `shared_`
     TransformedRange range_;
