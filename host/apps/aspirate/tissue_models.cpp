@@ -191,12 +191,11 @@ void ModelFits::attempt(TissueCandidate& one, Work&& work) {
 }
 
 /// From where the model with fewer relaxation terms ended. Where none of them is asked for, one is
-/// looked for that has one term, as searches for more of them end in worse optima without it; but
-/// not where there is nothing to compare.
+/// looked for that has one term, as searches for more of them end in worse optima without it.
 void ModelFits::approach(std::size_t k) {
     TissueCandidate& one = candidates_[k];
     const std::optional<std::size_t> simpler = simpler_than(k);
-    if (simpler || one.num_terms < 2 || candidates_.size() == 1) {
+    if (simpler || one.num_terms < 2) {
         one.search->approach(simpler ? candidates_[*simpler].search.get() : nullptr);
         return;
     }

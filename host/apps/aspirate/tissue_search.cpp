@@ -258,30 +258,43 @@ void TissueSearch::weigh() {
     found_.identified = identify(*coarse_problem_, found_.fit, weighing, model_.solving.progress);
 }
 
+/// Coarse cells that say at the end what those of the experiment say there; null where they say
+/// nothing.
+std::unique_ptr<const DataProblem> TissueSearch::profile_guide() const {
+    try {
+        const PredictionAttempt cheap = checked_prediction(*coarse_problem_, found_.fit.values,
+                                                           PredictedColumns::wanted, coarse_.get());
+        if (!cheap.prediction) return nullptr;
+        return std::make_unique<const CorrectedProblem>(*coarse_problem_, *found_.fit.prediction,
+                                                        cheap.prediction);
+    } catch (const Error& error) {
+        if (!is_of_model(error)) throw;
+        return nullptr;
+    }
+}
+
 void TissueSearch::judge() {
     found_.is_believed = !model_.is_no_model(found_.fit);
     const SearchPlace end = place();
     const bool is_halved =
         halved_at_.experiment && halves_.are_halved() && are_near(halved_at_, end);
     const bool must_halve = found_.is_believed && !is_halved && TissueHalves::can_halve(end);
-    if (must_halve) halves_.clear();
-    report_progress(model_.solving.progress, "intervals", 0,
-                    model_.name + (must_halve ? ", and halves of cells and steps" : ""));
+    if (must_halve) {
+        report(", halves of cells and steps");
+        halves_.clear();
+        run_tasks(TissueHalves::num_pair, model_.solving.jobs, shared_,
+                  [&](std::size_t pair) { halves_.halve(pair, end); });
+    }
+    report_progress(model_.solving.progress, "intervals", 0, model_.name);
     IdentifyOptions judging;
     judging.jobs = model_.solving.jobs;
     judging.added_sd = model_.model_sd(found_.experiment->parameters());
+    judging.guide = [this] { return profile_guide(); };
     if (!found_.is_believed) {
         judging.skewness_tolerance = std::numeric_limits<double>::infinity();
         judging.judges_far_ends = false;
     }
-    run_tasks(must_halve ? 1 + TissueHalves::num_pair : 1, judging.jobs, shared_,
-              [&](std::size_t k) {
-                  if (k == 0)
-                      found_.identified =
-                          identify(*problem_, found_.fit, judging, model_.solving.progress);
-                  else
-                      halves_.halve(k - 1, end);
-              });
+    found_.identified = identify(*problem_, found_.fit, judging, model_.solving.progress);
     if (found_.is_believed) found_.halved = halves_.pairs();
 }
 

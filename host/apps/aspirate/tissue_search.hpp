@@ -82,6 +82,7 @@ private:
     bool find_rest();
     void find_end();
     SearchPlace place() const;
+    std::unique_ptr<const DataProblem> profile_guide() const;
     void report(const char* more) const {
         report_progress(model_.solving.progress, "fit", 0, model_.name + more);
     }
