@@ -54,16 +54,13 @@ def numbers_of(truth):
     return numbers
 
 
-def make(seed, out, terms):
-    """A film and settings that name every law; its truth."""
-    truth = films.make(seed, out, side="held" if seed % 2 else "sliding", tissue=tissue_of(seed))
-    settings = (out / "aspiration.toml").read_text()
-    for told, asked in (('laws = ["veronda-westmann"]', f"laws = {json.dumps(LAWS)}"),
-                        ("relaxation_terms = [1]", f"relaxation_terms = {json.dumps(terms)}")):
-        assert told in settings
-        settings = settings.replace(told, asked)
-    (out / "aspiration.toml").write_text(settings)
-    return truth
+def settings_of(film, terms):
+    """Those of a film, but that every law is asked for."""
+    settings = (film / "aspiration.toml").read_text()
+    for key, asked in (("laws", LAWS), ("relaxation_terms", terms)):
+        settings, count = re.subn(rf"^{key} = .*$", f"{key} = {json.dumps(asked)}", settings, flags=re.MULTILINE)
+        assert count == 1
+    return settings
 
 
 def study_film(options, seed):
@@ -74,11 +71,15 @@ def study_film(options, seed):
         said = {"seed": seed, "code": None, "message": ""}
         try:
             if not (film / "truth.json").exists():
-                make(seed, film, options.terms)
+                films.make(seed, film, side="held" if seed % 2 else "sliding", tissue=tissue_of(seed))
+            (folder / "aspiration.toml").write_text(settings_of(film, options.terms))
+            shutil.rmtree(folder / "fit", ignore_errors=True)  # of a study that was stopped
             began = time.monotonic()
             fitted = subprocess.run([str(options.program), "aspirate", "run", str(film / "frames"), "--pressure",
-                                     str(film / "pressure.csv"), "--config", str(film / "aspiration.toml"), "--out",
-                                     str(folder / "fit"), "--overwrite", "--quiet"], capture_output=True, text=True)
+                                     str(film / "pressure.csv"), "--config", str(folder / "aspiration.toml"), "--out",
+                                     str(folder / "fit"), "--quiet"], capture_output=True, text=True)
+            if fitted.returncode < 0:
+                raise RuntimeError(f"film {seed}: the fit was stopped by signal {-fitted.returncode}")
             said |= {"code": fitted.returncode, "seconds": time.monotonic() - began,
                      "message": fitted.stderr.strip()[-400:]}
         except NoEquilibrium as error:
@@ -96,13 +97,16 @@ def model_named(name):
 
 
 def read_film(folder):
-    """{"seed", "code", "truth", "evidence": {(law, terms): ln}, "first": (law, terms), "found"} of a folder; without
-    a result the last three are empty. found: [(path, true, value, low, high)] where the true model is first."""
+    """{"seed", "code", "model", "truth", "evidence": {(law, terms): ln}, "first": (law, terms), "found"} of a folder;
+    without a result the last four are empty. found: [(path, true, value, low, high)] where the true model is first."""
     case = json.loads((folder / "outcome.json").read_text()) | {"truth": None, "evidence": {}, "first": None, "found": []}
+    case["model"] = true_model(tissue_of(case["seed"]))
     if not (folder / "fit/result.json").exists():
         return case
     case["truth"] = truth = json.loads((folder / "film/truth.json").read_text())
     result = json.loads((folder / "fit/result.json").read_text())
+    if f"laws = {json.dumps(LAWS)}" not in result["film"]["settings"]:
+        raise ValueError(f"{folder}: not every law was asked for")
     case["evidence"] = {model_named(one["name"]): one["log_evidence"] for one in result["models"] if "log_evidence" in one}
     found = {one["path"]: one for one in result["parameters"] if one["path"].startswith("material[1].")}
     case["first"] = model_named(result["film"]["model"])
@@ -120,7 +124,7 @@ def true_model(truth):
 
 def lead(case):
     """ln evidence of the true law's best model over that of the best other law that was compared."""
-    best = {law: max((value for (own, _), value in case["evidence"].items() if own == law), default=-math.inf)
+    best = {law: max((value for (own, _), value in case["evidence"].items() if own == law), default=-1e6)
             for law in LAWS}
     own = best.pop(case["truth"]["law"])
     return own - max(best.values())
@@ -141,14 +145,15 @@ def table(cases):
     answered = [case for case in cases if case["first"]]
     lines = [f"{len(cases)} films, {len(answered)} with a result, "
              f"{sum(case['code'] == 0 for case in answered)} with exit code 0", "",
+             "Films without a result count as wrong, and have no lead.", "",
              "| law | right law first | right number of terms | both | lead of the law: least, median |",
              "| --- | --- | --- | --- | --- |"]
     for law in LAWS:
-        some = [case for case in answered if case["truth"]["law"] == law]
-        if not some:
+        some = [case for case in cases if case["model"][0] == law]
+        right = [[first == true for first, true in zip(case["first"] or (None, None), case["model"])] for case in some]
+        leads = [lead(case) for case in some if case["first"]]
+        if not leads:
             continue
-        right = [[first == true for first, true in zip(case["first"], true_model(case["truth"]))] for case in some]
-        leads = [lead(case) for case in some]
         lines.append(f"| {law} | {sum(one[0] for one in right)} of {len(some)} | {sum(one[1] for one in right)} of "
                      f"{len(some)} | {sum(all(one) for one in right)} of {len(some)} | {min(leads):.1f}, "
                      f"{statistics.median(leads):.1f} |")

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The study of laws by films of other code: what is drawn, and how what came out is told."""
 import json
+import tomllib
 
 import pytest
 
@@ -38,9 +39,10 @@ def folder_of(path, seed, evidence, chosen, value_parts=1.0, code=0):
                   for name, true in laws.numbers_of(truth).items()]
     name = "{}, {} relaxation term{}"
     models = [{"name": name.format(*model, "s" * (model[1] > 1)), "log_evidence": value} for model, value in
-              evidence.items()] + [{"name": "neo-hookean-reduced, 0 relaxation terms"}]
+              evidence.items()] + [{"name": "neo-hookean-reduced, 1 relaxation term"}]
     (path / "fit/result.json").write_text(json.dumps(
-        {"film": {"model": name.format(*chosen, "s" * (chosen[1] > 1))}, "models": models, "parameters": parameters}))
+        {"film": {"model": name.format(*chosen, "s" * (chosen[1] > 1)), "settings": f"laws = {json.dumps(laws.LAWS)}"},
+         "models": models, "parameters": parameters}))
     return laws.read_film(path)
 
 
@@ -57,10 +59,25 @@ def test_table_counts_what_came_first(tmp_path):
     assert [laws.lead(case) for case in (right, fewer, wrong, missed)] == [5, 4.5, -1.5, 20]
     text = "\n".join(laws.table([right, fewer, wrong, missed, none]))
     assert "5 films, 4 with a result, 3 with exit code 0" in text
-    assert f"| {mine} | 3 of 4 | 3 of 4 | 2 of 4 | -1.5, 4.8 |" in text
+    assert f"| {mine} | 3 of 5 | 3 of 5 | 2 of 5 | -1.5, 4.8 |" in text
     # of the fit that chose another model nothing is told; an end that is not there holds everything
     assert "| gamma | 2 of 2 | 11.0 % | -20 % |" in text
     assert laws.line_of(none) == "903: code 4: no outline"
+
+
+def test_a_fit_that_was_told_the_law_is_no_evidence(tmp_path):
+    folder_of(tmp_path / "a", 903, {("veronda-westmann", 2): 30.0}, ("veronda-westmann", 2))
+    result = json.loads((tmp_path / "a/fit/result.json").read_text())
+    result["film"]["settings"] = 'laws = ["veronda-westmann"]'
+    (tmp_path / "a/fit/result.json").write_text(json.dumps(result))
+    with pytest.raises(ValueError, match="not every law was asked for"):
+        laws.read_film(tmp_path / "a")
+
+
+def test_settings_name_every_law(tmp_path):
+    (tmp_path / "aspiration.toml").write_text('[tissue]\nlaws = ["veronda-westmann"]\nrelaxation_terms = [1]\n')
+    assert tomllib.loads(laws.settings_of(tmp_path, [1, 2])) == {
+        "tissue": {"laws": list(laws.LAWS), "relaxation_terms": [1, 2]}}
 
 
 def test_misses_are_told(tmp_path):
