@@ -59,8 +59,8 @@ struct PredictionAttempt {
 
 enum class PredictedColumns : std::uint8_t { none, wanted };
 
-/// An inverse problem: parameters and a model that predicts data from them. The engine calls it
-/// from one thread.
+/// An inverse problem: parameters and a model that predicts data from them. Where `jobs` are asked
+/// for, several threads call `predict` at the same time.
 class DataProblem {
 public:
     virtual ~DataProblem() = default;

@@ -16,7 +16,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double z_tolerance = 0.06;
 /// Of F, that a search along a profile may leave: it is known and taken off.
-constexpr double left_gain = 1.0;
+constexpr double left_gain = 0.5;
 constexpr int max_profile_points = 6, most_profile_steps = 6, most_guided_steps = 15;
 constexpr double nearly =
     0.95;  ///< of the rise that excludes: the 95 % interval's, but for a little
@@ -83,7 +83,7 @@ double ProfileSearch::rise_at(const Eigen::VectorXd& transformed) {
 }
 
 /// Where the guide has its minimum with parameter k held; null if it finds none. Steps with columns
-/// are what costs, and far from the fit a straight line to there needs many.
+/// are what costs, and from a straight line's end far from the fit it takes many.
 std::shared_ptr<const Prediction> ProfileSearch::guided(Index k, const Eigen::VectorXd& start,
                                                         const Point& nearest) {
     if (!guide_) return nullptr;
@@ -94,14 +94,15 @@ std::shared_ptr<const Prediction> ProfileSearch::guided(Index k, const Eigen::Ve
         const GaussNewtonMinimum found = minimise_gauss_newton(
             *guide_, noise, {to_values(parameters_, start), nearest.guided, {k}}, options,
             progress_);
-        return found.ending == Ending::too_many_steps ? nullptr : found.prediction;
+        return found.ending == Ending::converged ? found.prediction : nullptr;
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
         return nullptr;
     }
 }
 
-/// From there to the minimum with parameter k held; false without a prediction.
+/// From there to the minimum with parameter k held, into `point` if that is lower than what is
+/// there. Whether the search has converged.
 bool ProfileSearch::minimise(Index k, const Eigen::VectorXd& values, const Point& nearest,
                              Point& point) {
     try {
@@ -114,12 +115,15 @@ bool ProfileSearch::minimise(Index k, const Eigen::VectorXd& values, const Point
             found.ending == Ending::converged || found.ending == Ending::too_many_steps
                 ? found.predicted_gain
                 : std::min(found.predicted_gain, left_gain);
-        point.z = std::sqrt(2.0 * std::max(0.0, found.objective - left - lowest_));
+        const double z = std::sqrt(2.0 * std::max(0.0, found.objective - left - lowest_));
+        const bool has_converged = found.ending == Ending::converged;
+        if (z >= point.z) return has_converged;
+        point.z = z;
         const double t = point.transformed[k];
         point.transformed = found.transformed;
         point.transformed[k] = t;
         point.prediction = found.prediction;
-        return true;
+        return has_converged;
     } catch (const Error& error) {
         if (error.code() != ErrorCode::solve_failed) throw;
         ++num_prediction_;
