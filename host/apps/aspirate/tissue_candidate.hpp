@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -16,10 +14,6 @@
 namespace palpate {
 
 constexpr double infinite_evidence = std::numeric_limits<double>::infinity();
-
-inline std::string name_of_model(const std::string& law, int num_terms) {
-    return fmt::format("{}, {} relaxation term{}", law, num_terms, num_terms == 1 ? "" : "s");
-}
 
 /// One law with one number of relaxation terms.
 struct TissueCandidate {

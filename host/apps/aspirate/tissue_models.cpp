@@ -190,19 +190,10 @@ void ModelFits::attempt(TissueCandidate& one, Work&& work) {
     }
 }
 
-/// From where the model with fewer relaxation terms ended. Where none of them is asked for, one is
-/// looked for that has one term, as searches for more of them end in worse optima without it.
+/// From where the model with fewer relaxation terms ended.
 void ModelFits::approach(std::size_t k) {
-    TissueCandidate& one = candidates_[k];
     const std::optional<std::size_t> simpler = simpler_than(k);
-    if (simpler || one.num_terms < 2) {
-        one.search->approach(simpler ? candidates_[*simpler].search.get() : nullptr);
-        return;
-    }
-    TissueSearch begin(model_of(one.law, 1), shared_.sink());
-    begin.approach();
-    begin.settle();
-    one.search->approach(&begin);
+    candidates_[k].search->approach(simpler ? candidates_[*simpler].search.get() : nullptr);
 }
 
 /// From near the optimum to where evidence can be compared.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/apps/aspirate/tissue_search.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -45,6 +47,10 @@ void take_start(const std::vector<Parameter>& parameters, const Fit& found, FitO
 }
 
 }  // namespace
+
+std::string name_of_model(const std::string& law, int num_terms) {
+    return fmt::format("{}, {} relaxation term{}", law, num_terms, num_terms == 1 ? "" : "s");
+}
 
 TissueSearch::TissueSearch(TissueModel model, const ProgressSink& progress)
     : shared_(progress),
@@ -201,8 +207,28 @@ bool TissueSearch::begin_at(const TissueSearch& simpler) {
     return true;
 }
 
+/// Searches for several terms end in worse optima from the guess than from where one term ends.
+bool TissueSearch::begin_at_one_term() {
+    if (model_.num_terms < 2) return false;
+    TissueModel of_one = model_;
+    of_one.num_terms = 1;
+    of_one.name = name_of_model(model_.law, 1);
+    try {
+        TissueSearch one(std::move(of_one), shared_.sink());
+        one.approach();
+        one.settle();
+        const bool has_begun = begin_at(one);
+        found_.num_simulation += one.found().num_simulation;
+        return has_begun;
+    } catch (const Error& error) {
+        if (!is_of_model(error)) throw;
+        report_progress(model_.solving.progress, "fit", 0, std::string("not so: ") + error.what());
+        return false;
+    }
+}
+
 void TissueSearch::approach(const TissueSearch* simpler) {
-    if (!simpler || !begin_at(*simpler)) find_start();
+    if (!(simpler ? begin_at(*simpler) : begin_at_one_term())) find_start();
     while (!has_rest_ && !is_near_) has_rest_ = find_rest();
 }
 

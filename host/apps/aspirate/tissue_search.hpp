@@ -16,6 +16,8 @@
 
 namespace palpate {
 
+std::string name_of_model(const std::string& law, int num_terms);
+
 /// One law with one number of relaxation terms, and what was seen.
 struct TissueModel {
     const AspirationSettings& settings;
@@ -56,7 +58,8 @@ public:
 
     /// To near the most probable values, mostly by coarse cells.
     ///   simpler   a search for the same law with fewer relaxation terms, one at least, that has
-    ///             come near, to begin there; null: none
+    ///             come near, to begin there; null: none, and several terms begin where a search of
+    ///             their own for one comes to
     void approach(const TissueSearch* simpler = nullptr);
     /// On to where evidence can be compared, by coarse cells still; false where these cannot do it.
     bool settle();
@@ -73,6 +76,7 @@ public:
 private:
     void make_experiment();
     bool begin_at(const TissueSearch& simpler);
+    bool begin_at_one_term();
     void find_start();
     FitOptions rough_options() const;
     bool fit_corrected(const DataProblem& problem, double gain);
