@@ -78,7 +78,7 @@ struct Identified {
     /// How many parameters the data determine: the sum of 1 - sd^2 / prior sd^2.
     double num_determined = 0;
     double effective_rows = 0;  ///< of all blocks
-    int num_prediction = 0;     ///< that profiles and far ends cost
+    int num_prediction = 0;     ///< that profiles and far ends cost, guides apart
 };
 
 /// What a fit knows: Laplace covariance (J^T C^-1 J + P^-1)^-1 with the discrepancy and the Huber
