@@ -126,6 +126,16 @@ def test_two_relaxation_terms_are_found_where_there_are_two(tmp_path):
         low, high = found[name]["interval_95"]
         assert low < true < high < 2.5 * low, name
 
+    # asked for alone they are what they are beside one
+    settings.write_text(SETTINGS + "relaxation_terms = [2]\n")
+    finished = fit(folder, tmp_path / "alone", settings=settings)
+    assert finished.returncode == 0, finished.stderr
+    alone = json.loads((tmp_path / "alone/result.json").read_text())
+    assert alone["search"]["log_evidence"] == pytest.approx(result["search"]["log_evidence"], abs=0.5)
+    for one in alone["parameters"]:
+        beside = found[one["number"]]
+        assert one["value"] == pytest.approx(beside["value"], abs=0.1 * (beside["interval_95"][1] - beside["interval_95"][0]))
+
 
 def test_halves_are_told_on_the_coarse_other_ones_as_well(fitted, tmp_path):
     """`identify` halves cells with the steps of the fit, and steps with its cells; here each with the other doubled."""
