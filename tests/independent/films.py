@@ -298,6 +298,16 @@ def film_of(options, seed):
     return folder / "film" if (folder / "film").is_dir() else folder  # of a study that kept its films
 
 
+def fitted(program, film, settings, out):
+    """What `palpate aspirate run` says of a film, {"code", "seconds", "message"}; its result is in `out`."""
+    began = time.monotonic()
+    finished = subprocess.run([str(program), "aspirate", "run", str(film / "frames"), "--pressure",
+                               str(film / "pressure.csv"), "--config", str(settings), "--out", str(out), "--overwrite",
+                               "--quiet"], capture_output=True, text=True)
+    return {"code": finished.returncode, "seconds": time.monotonic() - began,
+            "message": finished.stderr.strip()[-400:]}
+
+
 def study_film(options, seed):
     """Makes and fits one film unless that is done; what came out."""
     folder = options.out / f"film-{seed}"
@@ -315,12 +325,7 @@ def study_film(options, seed):
         said = {"seed": seed, "made": made, "code": None, "message": message}
         if made == 0:
             shutil.copy(film / "truth.json", folder / "truth.json")
-            began = time.monotonic()
-            fitted = subprocess.run([str(options.program), "aspirate", "run", str(film / "frames"), "--pressure",
-                                     str(film / "pressure.csv"), "--config", str(film / "aspiration.toml"), "--out",
-                                     str(folder / "fit"), "--overwrite", "--quiet"], capture_output=True, text=True)
-            said |= {"code": fitted.returncode, "seconds": time.monotonic() - began,
-                     "message": fitted.stderr.strip()[-400:]}
+            said |= fitted(options.program, film, film / "aspiration.toml", folder / "fit")
             if not (options.keep or options.films_from):
                 shutil.rmtree(film)
         outcome.write_text(json.dumps(said, indent=2) + "\n")

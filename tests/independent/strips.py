@@ -15,7 +15,6 @@ import json
 import math
 import pathlib
 import shutil
-import subprocess
 import sys
 
 import matplotlib
@@ -87,11 +86,9 @@ def compare(out, curve, seed, travel_mm, program, side="sliding"):
     mu, gamma, stretch, stress = law_of_strip(curve, program, out / "strip")
     film = out / "film"
     truth = films.make(seed, film, side=side, tissue={"mu_kpa": mu, "gamma": gamma, "wanted_travel_mm": travel_mm})
-    finished = subprocess.run([str(program), "aspirate", "run", str(film / "frames"), "--config", str(film / "aspiration.toml"),
-                               "--pressure", str(film / "pressure.csv"), "--out", str(out / "fit"), "--overwrite", "--quiet"],
-                              capture_output=True, text=True)
+    finished = films.fitted(program, film, film / "aspiration.toml", out / "fit")
     if not (out / "fit/result.json").exists():
-        sys.exit(f"{curve}: code {finished.returncode}: {finished.stderr.strip()[-300:]}")
+        sys.exit(f"{curve}: code {finished['code']}: {finished['message'][-300:]}")
     try:
         draws, centre = law_of_film(json.loads((out / "fit/result.json").read_text()))
     except ValueError as error:
@@ -103,7 +100,7 @@ def compare(out, curve, seed, travel_mm, program, side="sliding"):
     band = np.percentile(all_draws, [2.5, 97.5], axis=0)
     predicted, fitted = at(centre), at(np.log([mu, gamma]))
     largest = float(stress.max())
-    told = {"strip": curve.stem, "code": finished.returncode, "mu_kpa": mu, "gamma": gamma,
+    told = {"strip": curve.stem, "code": finished["code"], "mu_kpa": mu, "gamma": gamma,
             "found_mu_kpa": math.exp(centre[0]), "found_gamma": math.exp(centre[1]),
             "peak_suction_kpa": truth["peak_suction_kpa"], "travel_mm": truth["travel_mm"],
             "largest_stretch": truth["largest_stretch"], "rows": int(seen.sum()),
