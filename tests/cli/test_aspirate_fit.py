@@ -125,6 +125,8 @@ def test_two_relaxation_terms_are_found_where_there_are_two(tmp_path):
     for name, true in (("C", 1.0), ("tau", 0.25), ("C of term 2", 0.8), ("tau of term 2", 5)):
         low, high = found[name]["interval_95"]
         assert low < true < high < 2.5 * low, name
+    of_two = ", ".join(f"{name} {found[name + ' of term 2']['value']:.3g}" for name in ("C", "tau"))
+    assert f"; term 2: {of_two} s</h1>" in (tmp_path / "fit/report.html").read_text()
 
     # asked for alone they are what they are beside one
     settings.write_text(SETTINGS + "relaxation_terms = [2]\n")

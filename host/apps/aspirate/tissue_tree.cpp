@@ -67,12 +67,16 @@ ResultTree tissue_tree(const IdentifiedExperiment& found) {
 
 std::string tissue_sentence(const IdentifiedExperiment& found) {
     std::string text;
+    std::map<std::string, int> count;
+    int last_term = 1;
     for (const IdentifiedParameter& one : found.identified.parameters) {
         if (one.parameter.is_nuisance) continue;
         const Told* told = told_of(one.parameter.name);
-        text += fmt::format("{}{} {:.3g}{}{}", text.empty() ? "" : ", ",
-                            told ? told->symbol : one.parameter.name, one.value,
-                            one.parameter.unit.empty() ? "" : " ", one.parameter.unit);
+        const int term = ++count[one.parameter.name];
+        std::string before = text.empty() ? "" : ", ";
+        if (term > last_term) before = fmt::format("; term {}: ", last_term = term);
+        text += fmt::format("{}{} {:.3g}{}{}", before, told ? told->symbol : one.parameter.name,
+                            one.value, one.parameter.unit.empty() ? "" : " ", one.parameter.unit);
     }
     return text;
 }
